@@ -1,0 +1,148 @@
+#include "io/hdf5_error.hpp"
+#include "io/whole_file.hpp"
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* cure = "check that the folder exists, may be written to and has room";
+
+std::string subject(const fs::path& path, const std::string& name) {
+  return fmt::format("{}: {} cannot be written", path.string(), name);
+}
+
+void remove_on_rank_0(MPI_Comm comm, const fs::path& path) {
+  std::error_code ignored; // there is already a failure to tell
+  if (rank_of(comm) == 0) fs::remove(path, ignored);
+}
+
+/// Groups on the way to a dataset come into being with it.
+H5Handle with_groups() {
+  H5Handle links = h5::own(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  h5::require(H5Pset_create_intermediate_group(links.get(), 1));
+  return links;
+}
+
+/// Every row is written once, so filling with zeros first would be lost work.
+H5Handle without_filling() {
+  H5Handle creation = h5::own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  h5::require(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
+  return creation;
+}
+
+void check_size(std::size_t given, int columns, Slab rows) {
+  if (given != static_cast<std::size_t>(rows.count) * static_cast<std::size_t>(columns))
+    throw std::logic_error("H5Writer::write: the number of values is not rows times columns");
+}
+
+} // namespace
+
+H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
+  h5::silence();
+  try {
+    h5::collectively(comm_, fmt::format("{}: cannot be created", path_.string()), cure, [&] {
+      const H5Handle access = h5::shared_access(comm_);
+      file_ = h5::own(H5Fcreate(part_of(path_).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+    });
+  } catch (const InputError&) {
+    remove_on_rank_0(comm_, part_of(path_));
+    throw;
+  }
+}
+
+H5Writer::~H5Writer() {
+  if (file_.get() < 0) return;
+  file_ = {};
+  remove_on_rank_0(comm_, part_of(path_));
+}
+
+template<class T>
+void H5Writer::write(const std::string& name, std::span<const T> my_rows, int columns, Slab rows) {
+  check_size(my_rows.size(), columns, rows);
+  write_rows(name, my_rows.data(), h5::native_type<T>(), columns, rows);
+}
+template void H5Writer::write(const std::string&, std::span<const double>, int, Slab);
+template void H5Writer::write(const std::string&, std::span<const std::int64_t>, int, Slab);
+template void H5Writer::write(const std::string&, std::span<const std::int32_t>, int, Slab);
+
+void H5Writer::write(const std::string& name, std::span<const Vec3> my_rows, Slab rows) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  check_size(3 * my_rows.size(), 3, rows);
+  write_rows(name, my_rows.data(), H5T_NATIVE_DOUBLE, 3, rows);
+}
+
+void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows) {
+  std::vector<hsize_t> shape{static_cast<hsize_t>(rows.total)};
+  if (columns != 1) shape.push_back(static_cast<hsize_t>(columns));
+  H5Handle dataset;
+  h5::collectively(comm_, subject(path_, name), cure, [&] {
+    const h5::Selection selection = h5::select(shape, rows);
+    const H5Handle links = with_groups(), creation = without_filling();
+    dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(), links.get(),
+                                 creation.get(), H5P_DEFAULT),
+                      H5Dclose);
+  });
+  if (rows.total == 0) return; // HDF5 cannot move nothing to nowhere
+  reserve_room(dataset.get());
+  h5::collectively(comm_, subject(path_, name), cure, [&] {
+    const h5::Selection selection = h5::select(shape, rows);
+    const H5Handle transfer = h5::collective_transfer();
+    h5::require(
+        H5Dwrite(dataset.get(), type, selection.memory.get(), selection.file.get(), transfer.get(), my_rows));
+  });
+}
+
+/// A collective write to a full disk may pass for a success (Open MPI's does), so the disk is asked
+/// beforehand.
+void H5Writer::reserve_room(hid_t dataset) {
+  broadcast(comm_, [&] {
+    const auto begin = static_cast<std::int64_t>(H5Dget_offset(dataset));
+    reserve(path_, begin, begin + static_cast<std::int64_t>(H5Dget_storage_size(dataset)));
+    return std::string();
+  });
+}
+
+void H5Writer::attribute(const std::string& name, double value) {
+  write_attribute(name, &value, H5T_NATIVE_DOUBLE);
+}
+
+void H5Writer::attribute(const std::string& name, std::int64_t value) {
+  write_attribute(name, &value, H5T_NATIVE_INT64);
+}
+
+void H5Writer::attribute(const std::string& name, const std::string& value) {
+  const char* const text = value.c_str();
+  write_attribute(name, &text, h5::text_type().get());
+}
+
+void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type) {
+  h5::collectively(comm_, subject(path_, "attribute " + name), cure, [&] {
+    const H5Handle scalar = h5::own(H5Screate(H5S_SCALAR), H5Sclose);
+    const H5Handle attribute = h5::own(
+        H5Acreate2(file_.get(), name.c_str(), type, scalar.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    h5::require(H5Awrite(attribute.get(), type, value));
+  });
+}
+
+void H5Writer::close() {
+  try {
+    h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
+                     [&] { h5::require(H5Fclose(file_.release())); });
+    broadcast(comm_, [&] {
+      publish(path_);
+      return std::string();
+    });
+  } catch (const InputError&) {
+    remove_on_rank_0(comm_, part_of(path_));
+    throw;
+  }
+}
+
+void write_whole(MPI_Comm comm, const fs::path& path, const std::function<void(H5Writer&)>& fill) {
+  H5Writer writer(comm, path);
+  fill(writer);
+  writer.close();
+}
+
+} // namespace taut

@@ -1,0 +1,123 @@
+#include "io/mesh_file.hpp"
+
+#include "io/hdf5.hpp"
+#include "io/obj.hpp"
+#include "partition/comm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+using Complaint = std::optional<std::string>;
+
+const std::string positions_name = "/rest_positions", faces_name = "/faces", offsets_name = "/face_offsets";
+
+Global rows_of_list(MPI_Comm comm, const H5Reader& file, const std::string& name) {
+  const int columns = file.columns(name);
+  agree(comm, columns == 1 ? Complaint()
+                           : fmt::format("{}: {} has {} columns; give it one dimension", file.path().string(),
+                                         name, columns));
+  return file.rows(name);
+}
+
+/// Checked before the offsets are used: they say what to read of `/faces`.
+Complaint check_offsets(std::span<const Global> offsets, Slab cells, Global corners) {
+  if (cells.first == 0 && offsets.front() != 0) return "it does not begin with 0";
+  if (cells.first + cells.count == cells.total && offsets.back() != corners)
+    return fmt::format("it ends with {}, but {} has {} numbers", offsets.back(), faces_name, corners);
+  for (Global c = 0; c < cells.count; ++c)
+    if (const Global size = offsets[c + 1] - offsets[c]; size < 2 || size > 4)
+      return fmt::format("cell {} has {} vertices instead of 2, 3 or 4", cells.first + c, size);
+  return std::nullopt;
+}
+
+Complaint check_cell(const Cell& cell, Global number, Global vertices) {
+  const auto used = std::span(cell.vertices).first(cell.size());
+  for (auto v = used.begin(); v != used.end(); ++v) {
+    if (*v < 0 || *v >= vertices)
+      return fmt::format("cell {} names vertex {}, but vertices go from 0 to {}", number, *v, vertices - 1);
+    if (std::find(v + 1, used.end(), *v) != used.end())
+      return fmt::format("cell {} names vertex {} twice", number, *v);
+  }
+  return std::nullopt;
+}
+
+class MeshReader {
+public:
+  MeshReader(MPI_Comm comm, const fs::path& path) : comm_(comm), file_(comm, path) {}
+
+  MeshSlab read(double scale) {
+    MeshSlab mesh;
+    mesh.name = file_.path().string();
+    read_vertices(mesh, scale);
+    read_cells(mesh);
+    return mesh;
+  }
+
+private:
+  void agree_on(const std::string& dataset, const Complaint& complaint) const {
+    agree(comm_, complaint ? fmt::format("{}: {}: {}; correct the dataset", file_.path().string(), dataset,
+                                         *complaint)
+                           : Complaint());
+  }
+
+  Slab my_slab(Global total) const { return slab_of(total, size_of(comm_), rank_of(comm_)); }
+
+  void read_vertices(MeshSlab& mesh, double scale) const {
+    mesh.vertices = my_slab(file_.rows(positions_name));
+    agree_on(positions_name, mesh.vertices.total > 0 ? Complaint() : "no vertices");
+    mesh.rest_positions = file_.read_vectors(positions_name, mesh.vertices);
+    const auto bad = std::ranges::find_if(mesh.rest_positions, [](const Vec3& x) { return !x.allFinite(); });
+    agree_on(positions_name, bad == mesh.rest_positions.end()
+                                 ? Complaint()
+                                 : fmt::format("vertex {} is not finite",
+                                               mesh.vertices.first + (bad - mesh.rest_positions.begin())));
+    for (Vec3& x : mesh.rest_positions) x *= scale;
+  }
+
+  void read_cells(MeshSlab& mesh) const {
+    const Global rows = rows_of_list(comm_, file_, offsets_name),
+                 corners = rows_of_list(comm_, file_, faces_name);
+    agree_on(offsets_name, rows > 1 ? Complaint() : "no faces or lines");
+    mesh.cells = my_slab(rows - 1);
+    // One offset more than cells: where the last cell ends.
+    const auto offsets = file_.read<Global>(offsets_name, {mesh.cells.first, mesh.cells.count + 1, rows});
+    agree_on(offsets_name, check_offsets(offsets, mesh.cells, corners));
+    const auto faces =
+        file_.read<Global>(faces_name, {offsets.front(), offsets.back() - offsets.front(), corners});
+    Complaint complaint;
+    mesh.cell.resize(mesh.cells.count);
+    for (Global c = 0; c < mesh.cells.count; ++c) {
+      std::copy(faces.begin() + (offsets[c] - offsets[0]), faces.begin() + (offsets[c + 1] - offsets[0]),
+                mesh.cell[c].vertices.begin());
+      if (!complaint) complaint = check_cell(mesh.cell[c], mesh.cells.first + c, mesh.vertices.total);
+    }
+    agree_on(faces_name, complaint);
+  }
+
+  MPI_Comm comm_;
+  H5Reader file_;
+};
+
+} // namespace
+
+MeshSlab read_mesh_h5(MPI_Comm comm, const fs::path& path, double scale) {
+  return MeshReader(comm, path).read(scale);
+}
+
+MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale) {
+  const std::string extension = path.extension().string();
+  if (extension == ".obj") return read_obj(comm, path, scale);
+  if (extension == ".h5") return read_mesh_h5(comm, path, scale);
+  throw InputError(fmt::format("{}: the extension '{}' is not known; give a mesh file .obj or .h5",
+                               path.string(), extension));
+}
+
+} // namespace taut

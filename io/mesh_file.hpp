@@ -1,0 +1,20 @@
+#pragma once
+#include "partition/mesh_slab.hpp"
+
+#include <mpi.h>
+
+#include <filesystem>
+
+/// Meshes from files. All collective; errors are `InputError`, the same on all ranks.
+namespace taut {
+
+/// The mesh in `path`, read by what its extension says (.obj, .h5); coordinates are multiplied by `scale` (m
+/// per unit of the file).
+MeshSlab read_mesh(MPI_Comm comm, const std::filesystem::path& path, double scale);
+
+/// The mesh in an HDF5 file: `/rest_positions` (n, 3) numbers; `/faces` (k) integers, the vertices of one
+/// cell after the other, counted from 0; `/face_offsets` (f + 1) integers: cell c has the vertices at
+/// [offsets[c], offsets[c + 1]) of `/faces`, 2 to 4 of them. No rank holds more than its slab.
+MeshSlab read_mesh_h5(MPI_Comm comm, const std::filesystem::path& path, double scale);
+
+} // namespace taut

@@ -1,0 +1,80 @@
+#include "io/obj.hpp"
+
+#include "io/obj_parser.hpp"
+#include "io/scatter.hpp"
+#include "partition/comm.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+#include <string>
+#include <system_error>
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_text(const fs::path& path) {
+  std::error_code error;
+  const bool regular = fs::is_regular_file(path, error);
+  std::ifstream in(path, std::ios::binary);
+  if (!regular || !in)
+    throw InputError(fmt::format("{}: no such file, or it may not be read; check its name", path.string()));
+  std::string text(fs::file_size(path), '\0');
+  if (!in.read(text.data(), static_cast<std::streamsize>(text.size())))
+    throw InputError(fmt::format("{}: reading stopped before the end; check the disk", path.string()));
+  return text;
+}
+
+/// The parsed file, on rank 0; empty on the others. `check` may refuse it.
+template<class Check>
+ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Check&& check) {
+  ObjFile file;
+  broadcast(comm, [&] {
+    file = parse_obj(read_text(path), path.string());
+    check(file);
+    return std::string();
+  });
+  for (Vec3& position : file.positions) position *= scale;
+  return file;
+}
+
+} // namespace
+
+MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
+  const ObjFile file = parse_on_rank_0(comm, path, scale, [&](const ObjFile& parsed) {
+    if (parsed.positions.empty())
+      throw InputError(fmt::format("{}: no vertices; write one 'v x y z' a line", path.string()));
+    if (parsed.cells.empty())
+      throw InputError(
+          fmt::format("{}: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'", path.string()));
+  });
+  std::array<Global, 2> totals{static_cast<Global>(file.positions.size()),
+                               static_cast<Global>(file.cells.size())};
+  MPI_Bcast(totals.data(), 2, MPI_INT64_T, 0, comm);
+  const int ranks = size_of(comm), rank = rank_of(comm);
+  MeshSlab mesh;
+  mesh.name = path.string();
+  mesh.vertices = slab_of(totals[0], ranks, rank);
+  mesh.cells = slab_of(totals[1], ranks, rank);
+  mesh.rest_positions = scatter_slabs(comm, file.positions, mesh.vertices);
+  mesh.vertex_lines = scatter_slabs(comm, file.vertex_lines, mesh.vertices);
+  mesh.cell = scatter_slabs(comm, file.cells, mesh.cells);
+  mesh.cell_lines = scatter_slabs(comm, file.cell_lines, mesh.cells);
+  return mesh;
+}
+
+std::vector<Vec3> read_obj_positions(MPI_Comm comm, const fs::path& path, double scale, Slab expected) {
+  const ObjFile file = parse_on_rank_0(comm, path, scale, [&](const ObjFile& parsed) {
+    if (static_cast<Global>(parsed.positions.size()) != expected.total)
+      throw InputError(
+          fmt::format("{}: it has {} vertices, the mesh {}; give the vertices of the mesh, in the same "
+                      "order, in other places",
+                      path.string(), parsed.positions.size(), expected.total));
+  });
+  return scatter_slabs(comm, file.positions, expected);
+}
+
+} // namespace taut

@@ -1,0 +1,24 @@
+#pragma once
+#include "partition/mesh_slab.hpp"
+
+#include <mpi.h>
+
+#include <filesystem>
+#include <vector>
+
+/// Wavefront OBJ files. Rank 0 reads and parses the file and sends every rank its slab, so the file must fit
+/// into the memory of one rank; larger meshes come as HDF5 (mesh_file.hpp). Which elements are understood:
+/// obj_parser.hpp. All collective; errors are `InputError`, the same on all ranks, "file.obj:17: what is
+/// wrong; cure".
+namespace taut {
+
+/// The mesh in the file `path`, its coordinates multiplied by `scale` (m per unit of the file).
+MeshSlab read_obj(MPI_Comm comm, const std::filesystem::path& path, double scale);
+
+/// Only the places of the vertices, for a start shape: rank's slab `expected` of as many vertices as
+/// `expected.total`, m. Throws also if the file holds another number of vertices. Elements are parsed, then
+/// ignored.
+std::vector<Vec3> read_obj_positions(MPI_Comm comm, const std::filesystem::path& path, double scale,
+                                     Slab expected);
+
+} // namespace taut

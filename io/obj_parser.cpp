@@ -1,0 +1,139 @@
+#include "io/obj_parser.hpp"
+
+#include "io/text_scanner.hpp"
+#include "partition/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <system_error>
+
+namespace taut {
+namespace {
+
+constexpr std::array<std::string_view, 7> left_out{"vt", "vn", "g", "o", "s", "usemtl", "mtllib"};
+
+class Parser {
+public:
+  Parser(std::string_view text, const std::string& name) : scanner_(text), name_(name) {}
+
+  ObjFile parse() {
+    while (scanner_.next_line()) {
+      const std::string_view keyword = scanner_.next_word();
+      if (keyword.empty()) continue;
+      if (keyword == "v")
+        vertex();
+      else if (keyword == "f")
+        face();
+      else if (keyword == "l")
+        polyline();
+      else if (std::ranges::find(left_out, keyword) == left_out.end())
+        unknown(keyword);
+    }
+    check_range();
+    return std::move(file_);
+  }
+
+private:
+  [[noreturn]] void fail(Global line, const std::string& message) const {
+    throw InputError(fmt::format("{}:{}: {}", name_, line, message));
+  }
+  [[noreturn]] void fail(const std::string& message) const { fail(scanner_.line(), message); }
+
+  [[noreturn]] void unknown(std::string_view keyword) const {
+    fail(fmt::format("'{}' begins no line that is known here; use v, f and l, and remove other lines",
+                     keyword.substr(0, 40)));
+  }
+
+  void vertex() {
+    Vec3 position;
+    for (double& x : position)
+      x = coordinate(scanner_.next_word()); // what may follow is a weight or a colour
+    file_.positions.push_back(position);
+    file_.vertex_lines.push_back(scanner_.line());
+  }
+
+  double coordinate(std::string_view word) const {
+    if (word.empty()) fail("a vertex needs three numbers; write 'v x y z'");
+    double value = 0.0;
+    const std::string_view digits = word.front() == '+' ? word.substr(1) : word;
+    const auto [end, error] = std::from_chars(digits.begin(), digits.end(), value);
+    if (error == std::errc::invalid_argument || end != digits.end())
+      fail(fmt::format("'{}' is not a number; write 'v x y z' with numbers", word.substr(0, 40)));
+    if (error == std::errc::result_out_of_range || !std::isfinite(value))
+      fail(fmt::format("'{}' is not a finite number; give every vertex a finite place", word.substr(0, 40)));
+    return value;
+  }
+
+  /// The vertex meant by a, a/b, a//c or a/b/c, counted from 0. Whether it exists may only show at the end.
+  Global vertex_number(std::string_view word) const {
+    Global number = 0;
+    const auto [end, error] = std::from_chars(word.begin(), word.end(), number);
+    if (error != std::errc() || (end != word.end() && *end != '/'))
+      fail(fmt::format("'{}' is not a vertex number; write a, a/b, a//c or a/b/c", word.substr(0, 40)));
+    if (number == 0) fail("there is no vertex 0; number the vertices from 1");
+    if (number > 0) return number - 1;
+    const Global before = static_cast<Global>(file_.positions.size());
+    if (number < -before)
+      fail(fmt::format("vertex {} does not exist, {} stand before this line; correct the number", number,
+                       before));
+    return before + number;
+  }
+
+  void add_cell(std::span<const Global> vertices) {
+    Cell cell;
+    std::ranges::copy(vertices, cell.vertices.begin());
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (std::ranges::find(vertices.subspan(i + 1), vertices[i]) != vertices.end())
+        fail(fmt::format("vertex {} is used twice; name each vertex of an element once", vertices[i] + 1));
+    file_.cells.push_back(cell);
+    file_.cell_lines.push_back(scanner_.line());
+  }
+
+  void face() {
+    std::array<Global, 4> vertices;
+    std::size_t count = 0;
+    for (auto word = scanner_.next_word(); !word.empty(); word = scanner_.next_word()) {
+      if (count == 4) fail("a face has more than 4 vertices; split it into quads and triangles");
+      vertices[count++] = vertex_number(word);
+    }
+    if (count < 3) fail("a face has fewer than 3 vertices; give it 3 or 4, or write a line element 'l a b'");
+    add_cell(std::span(vertices).first(count));
+  }
+
+  void polyline() {
+    std::optional<Global> previous;
+    Global segments = 0;
+    for (auto word = scanner_.next_word(); !word.empty(); word = scanner_.next_word()) {
+      const Global vertex = vertex_number(word);
+      if (previous) add_cell(std::array{*previous, vertex}), ++segments;
+      previous = vertex;
+    }
+    if (segments == 0) fail("a line element has fewer than 2 vertices; write 'l a b'");
+  }
+
+  void check_range() const {
+    const Global count = static_cast<Global>(file_.positions.size());
+    for (std::size_t c = 0; c < file_.cells.size(); ++c) {
+      const Global largest = std::ranges::max(file_.cells[c].vertices);
+      if (largest >= count)
+        fail(file_.cell_lines[c], fmt::format("vertex {} does not exist, the file has {}; correct the number",
+                                              largest + 1, count));
+    }
+  }
+
+  TextScanner scanner_;
+  const std::string& name_;
+  ObjFile file_;
+};
+
+} // namespace
+
+ObjFile parse_obj(std::string_view text, const std::string& name) { return Parser(text, name).parse(); }
+
+} // namespace taut

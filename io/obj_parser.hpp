@@ -1,0 +1,23 @@
+#pragma once
+#include "partition/mesh_slab.hpp"
+#include "partition/types.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace taut {
+
+/// A whole Wavefront OBJ file in the memory of one rank.
+struct ObjFile {
+  std::vector<Vec3> positions;      ///< as in the file, without scale
+  std::vector<Cell> cells;          ///< faces and segments of polylines, in the order of the file
+  std::vector<Global> vertex_lines; ///< 1-based line of each vertex
+  std::vector<Global> cell_lines;   ///< 1-based line of each cell
+};
+
+/// Understands `v`, `f` with 3 or 4 vertices (a, a/b, a//c, a/b/c, relative numbers) and `l`; leaves out `vt
+/// vn g o s usemtl mtllib`. Not collective. Throws `InputError` "`name`:line: what is wrong; cure".
+ObjFile parse_obj(std::string_view text, const std::string& name);
+
+} // namespace taut

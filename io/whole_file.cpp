@@ -1,0 +1,92 @@
+#include "io/whole_file.hpp"
+
+#include "partition/comm.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <string>
+#include <unistd.h>
+
+namespace taut {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A POSIX file descriptor that closes itself; negative if the file could not be opened.
+class Descriptor {
+public:
+  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  int get() const { return fd_; }
+
+private:
+  int fd_;
+};
+
+[[noreturn]] void refuse(const fs::path& path, int error = errno) {
+  throw InputError(
+      fmt::format("{}: cannot be written: {}; check that the folder exists, may be written to and has room",
+                  path.string(), std::strerror(error)));
+}
+
+void write_all(const Descriptor& file, std::string_view text, const fs::path& path) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file.get(), text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) refuse(path);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+} // namespace
+
+fs::path part_of(const fs::path& path) { return fs::path(path) += ".part"; }
+
+void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
+  if (begin >= end) return;
+  const Descriptor file(part_of(path), O_WRONLY);
+  if (file.get() < 0) refuse(path);
+  int error = EINTR;
+  while (error == EINTR) error = ::posix_fallocate(file.get(), begin, end - begin);
+  if (error != 0) refuse(path, error);
+}
+
+void publish(const fs::path& path) {
+  const fs::path part = part_of(path);
+  {
+    const Descriptor file(part, O_RDONLY);
+    if (file.get() < 0 || ::fsync(file.get()) != 0) refuse(path);
+  }
+  if (::rename(part.c_str(), path.c_str()) != 0) refuse(path);
+  // The new name itself lasts only once the folder is on the disk; some file systems cannot do that, and need
+  // not.
+  const Descriptor folder(path.has_parent_path() ? path.parent_path() : fs::path("."),
+                          O_RDONLY | O_DIRECTORY);
+  if (folder.get() >= 0) ::fsync(folder.get());
+}
+
+void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text) {
+  broadcast(comm, [&] {
+    try {
+      {
+        const Descriptor file(part_of(path), O_WRONLY | O_CREAT | O_TRUNC);
+        if (file.get() < 0) refuse(path);
+        write_all(file, text, path);
+      }
+      publish(path);
+    } catch (const InputError&) {
+      std::error_code ignored; // the first failure is the one to tell
+      fs::remove(part_of(path), ignored);
+      throw;
+    }
+    return std::string();
+  });
+}
+
+} // namespace taut

@@ -1,0 +1,28 @@
+#pragma once
+#include <mpi.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+/// Files that are either whole or not there: they are written under a temporary name and renamed when
+/// complete, so that whoever reads the folder, or a run that was cut off, never meets half a file.
+namespace taut {
+
+/// The temporary name of `path` while it is being written: the same folder, ".part" added.
+std::filesystem::path part_of(const std::filesystem::path& path);
+
+/// Claims room on the disk for bytes [begin, end) of the file `part_of(path)`, which exists; what is written
+/// there later cannot fail for want of room. Not collective: rank 0 only. Throws `InputError` if there is
+/// none.
+void reserve(const std::filesystem::path& path, std::int64_t begin, std::int64_t end);
+
+/// Flushes the complete file `part_of(path)` to the disk and gives it the name `path`. Not collective: rank 0
+/// only. Throws `InputError` if the system refuses.
+void publish(const std::filesystem::path& path);
+
+/// Writes `text` (that of rank 0 counts) to `path`, replacing an earlier file as a whole. Collective.
+/// Throws `InputError` on all ranks if it cannot be written; the earlier file then stays as it was.
+void write_text_whole(MPI_Comm comm, const std::filesystem::path& path, std::string_view text);
+
+} // namespace taut

@@ -1,0 +1,92 @@
+#pragma once
+#include "partition/error.hpp"
+#include "partition/types.hpp"
+
+#include <mpi.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+/// Small collective helpers. Everything here is collective over `comm` unless it says otherwise.
+namespace taut {
+
+int rank_of(MPI_Comm comm); ///< not collective
+int size_of(MPI_Comm comm); ///< not collective
+
+Global sum_over(MPI_Comm comm, Global value);
+double sum_over(MPI_Comm comm, double value);
+Global max_over(MPI_Comm comm, Global value);
+double max_over(MPI_Comm comm, double value);
+bool any_of(MPI_Comm comm, bool value);
+void sum_in_place(MPI_Comm comm, std::span<double> values);
+void max_in_place(MPI_Comm comm, std::span<double> values);
+
+/// Sum of `value` over the ranks before this one.
+Global exclusive_sum(MPI_Comm comm, Global value);
+
+/// The text held by `root`, on every rank.
+std::string broadcast_text(MPI_Comm comm, const std::string& text, int root = 0);
+
+/// Throws the same `InputError` on every rank if any rank holds a message; the lowest such rank speaks.
+void agree(MPI_Comm comm, const std::optional<std::string>& error);
+
+/// Runs `function` on rank 0 only and shares the outcome: its text, or its `InputError`, reaches all ranks.
+/// The one way to do something on a single rank that may fail.
+template <class Function>
+std::string broadcast(MPI_Comm comm, Function&& function) {
+  std::optional<std::string> error;
+  std::string text;
+  if (rank_of(comm) == 0) {
+    try {
+      text = std::forward<Function>(function)();
+    } catch (const InputError& e) {
+      error = e.what();
+    }
+  }
+  agree(comm, error);
+  return broadcast_text(comm, text);
+}
+
+/// What `exchange` received: the items of rank 0, then of rank 1, ...; those of rank r are
+/// [offsets[r], offsets[r + 1]).
+template <class T>
+struct Received {
+  std::vector<T> items;
+  std::vector<Global> offsets;
+};
+
+namespace detail {
+Received<std::byte> exchange_bytes(MPI_Comm comm, std::span<const std::byte> items,
+                                   std::span<const int> counts, std::size_t item_size);
+} // namespace detail
+
+/// Personalised exchange: sends `items[i]` to rank `destinations[i]`; the order among the items of one pair of ranks is
+/// kept. For set-up only: it costs one message a pair of ranks that have something to say, and O(ranks) memory.
+template <class T>
+Received<T> exchange(MPI_Comm comm, std::span<const T> items, std::span<const int> destinations) {
+  static_assert(std::is_trivially_copyable_v<T> || std::is_standard_layout_v<T>);
+  const int ranks = size_of(comm);
+  std::vector<int> counts(ranks, 0);
+  for (const int d : destinations) ++counts[d];
+  std::vector<std::size_t> at(ranks, 0);
+  for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
+  std::vector<T> sorted(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) sorted[at[destinations[i]]++] = items[i];
+  const auto bytes = detail::exchange_bytes(comm, std::as_bytes(std::span<const T>(sorted)), counts, sizeof(T));
+  Received<T> received;
+  received.items.resize(bytes.items.size() / sizeof(T));
+  std::copy(bytes.items.begin(), bytes.items.end(), reinterpret_cast<std::byte*>(received.items.data()));
+  received.offsets = bytes.offsets;
+  return received;
+}
+
+template <class T>
+Received<T> exchange(MPI_Comm comm, const std::vector<T>& items, const std::vector<int>& destinations) {
+  return exchange<T>(comm, std::span<const T>(items), std::span<const int>(destinations));
+}
+
+} // namespace taut

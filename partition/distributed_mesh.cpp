@@ -1,0 +1,301 @@
+#include "partition/distributed_mesh.hpp"
+
+#include "partition/fetch.hpp"
+#include "partition/morton.hpp"
+#include "partition/yarn_order.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+namespace taut {
+
+namespace {
+
+/// Entities in transit, by original vertex numbers.
+struct SentVertex {
+  Global original;
+  Vec3 rest_position;
+};
+struct SentCell {
+  Cell cell;
+  Global original;
+};
+struct SentEdge {
+  Global original, low, high;
+};
+
+/// Sends each entity once to every rank that owns one of its vertices.
+template <class T>
+class Sender {
+ public:
+  void add(const T& item, std::span<const int> owners) {
+    ranks_.assign(owners.begin(), owners.end());
+    std::sort(ranks_.begin(), ranks_.end());
+    ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
+    for (const int r : ranks_) {
+      items_.push_back(item);
+      to_.push_back(r);
+    }
+  }
+  std::vector<T> send(MPI_Comm comm) const { return exchange(comm, items_, to_).items; }
+
+ private:
+  std::vector<T> items_;
+  std::vector<int> to_, ranks_;
+};
+
+/// The entities this rank stores, still by original numbers.
+struct Parts {
+  std::vector<SentVertex> vertices;
+  std::vector<SentCell> cells;
+  std::vector<SentEdge> edges;
+  std::vector<YarnTriple> triples;
+};
+
+std::vector<SentVertex> send_vertices(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  std::vector<SentVertex> vertices(mesh.vertices.count);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = {mesh.vertices.first + Global(i), mesh.rest_positions[i]};
+  return exchange(comm, vertices, owners).items;
+}
+
+std::vector<SentCell> send_cells(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  std::vector<Global> wanted;
+  for (const Cell& c : mesh.cell) wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<SentCell> sender;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
+    const std::size_t n = mesh.cell[c].size();
+    sender.add({mesh.cell[c], mesh.cells.first + Global(c)}, std::span(owner).subspan(at, n));
+    at += n;
+  }
+  return sender.send(comm);
+}
+
+/// Stars go, as edges and triples, to the owners of their vertices.
+void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, const std::vector<int>& owners,
+                Parts& parts) {
+  std::vector<Global> wanted;
+  for (const Spoke& s : topology.spokes) wanted.push_back(s.neighbour);
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<SentEdge> edges;
+  Sender<YarnTriple> triples;
+  std::vector<int> around;
+  auto triple = topology.triples.begin();
+  for (Global v = 0; v < mesh.vertices.count; ++v) {
+    around.assign(owner.begin() + topology.star[v], owner.begin() + topology.star[v + 1]);
+    around.push_back(owners[v]);
+    for (std::size_t i = topology.star[v]; i < topology.star[v + 1]; ++i) {
+      const Spoke& s = topology.spokes[i];
+      if (s.edge >= 0) edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour)}, around);
+    }
+    for (; triple != topology.triples.end() && triple->centre == mesh.vertices.first + v; ++triple)
+      triples.add(*triple, around);
+  }
+  parts.edges = edges.send(comm);
+  parts.triples = triples.send(comm);
+  std::sort(parts.edges.begin(), parts.edges.end(),
+            [](const SentEdge& a, const SentEdge& b) { return a.original < b.original; });
+  const auto same = [](const SentEdge& a, const SentEdge& b) { return a.original == b.original; };
+  parts.edges.erase(std::unique(parts.edges.begin(), parts.edges.end(), same), parts.edges.end());
+}
+
+/// Builds the mesh from its parts; holds what is needed only while building.
+class Builder {
+ public:
+  Builder(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners) : slab_(slab), owners_(owners) {
+    mesh_.comm = comm;
+  }
+
+  DistributedMesh build(Parts&& parts) {
+    number_vertices(parts);
+    place_cells(parts.cells);
+    place_triples(parts.triples);
+    number_edges(parts.edges);
+    collect_stars();
+    order_for_files();
+    report();
+    return std::move(mesh_);
+  }
+
+ private:
+  void number_vertices(Parts& parts) {
+    find_box();
+    std::sort(parts.vertices.begin(), parts.vertices.end(), [this](const SentVertex& a, const SentVertex& b) {
+      return std::pair(key(a.rest_position), a.original) < std::pair(key(b.rest_position), b.original);
+    });
+    IndexMap& map = mesh_.vertices;
+    map.owned = Local(parts.vertices.size());
+    for (const SentVertex& v : parts.vertices) {
+      map.original.push_back(v.original);
+      mesh_.rest_positions.push_back(v.rest_position);
+    }
+    append_ghost_vertices(parts);
+    mesh_.vertex_halo = Halo(mesh_.comm, map);
+    mesh_.rest_positions.resize(map.size());
+    mesh_.vertex_halo.update(mesh_.rest_positions);
+    for (Local i = 0; i < map.size(); ++i) local_of_[map.original[i]] = i;
+  }
+
+  void find_box() {
+    std::array<double, 6> extent;
+    extent.fill(-std::numeric_limits<double>::infinity());
+    for (const Vec3& x : slab_.rest_positions)
+      for (int k = 0; k < 3; ++k) {
+        extent[k] = std::max(extent[k], x[k]);
+        extent[3 + k] = std::max(extent[3 + k], -x[k]);
+      }
+    max_in_place(mesh_.comm, extent);
+    low_ = -Vec3(extent[3], extent[4], extent[5]);
+    side_ = std::max((Vec3(extent[0], extent[1], extent[2]) - low_).maxCoeff(), 1e-300);
+  }
+
+  std::uint64_t key(const Vec3& x) const { return morton_key(x, low_, side_); }
+  auto place_of(Local vertex) const {
+    return std::pair(key(mesh_.rest_positions[vertex]), mesh_.vertices.original[vertex]);
+  }
+
+  void append_ghost_vertices(const Parts& parts) {
+    std::vector<Global> met;
+    for (const SentCell& c : parts.cells)
+      met.insert(met.end(), c.cell.vertices.begin(), c.cell.vertices.begin() + c.cell.size());
+    for (const SentEdge& e : parts.edges) met.insert(met.end(), {e.low, e.high});
+    std::sort(met.begin(), met.end());
+    met.erase(std::unique(met.begin(), met.end()), met.end());
+    std::vector<Global> mine(mesh_.vertices.original);
+    std::sort(mine.begin(), mine.end());
+    std::vector<Global> ghosts;
+    std::set_difference(met.begin(), met.end(), mine.begin(), mine.end(), std::back_inserter(ghosts));
+    const auto owner = fetch<int>(mesh_.comm, slab_.vertices, owners_, ghosts);
+    append_by_owner(mesh_.vertices, ghosts, owner);
+  }
+
+  static void append_by_owner(IndexMap& map, std::span<const Global> ghosts, std::span<const int> owner) {
+    std::vector<std::size_t> order(ghosts.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return owner[a] < owner[b]; });
+    for (const std::size_t i : order) {
+      map.original.push_back(ghosts[i]);
+      map.ghost_owners.push_back(owner[i]);
+    }
+  }
+
+  void place_cells(const std::vector<SentCell>& cells) {
+    mesh_.total_cells = slab_.cells.total;
+    std::vector<std::pair<LocalCell, Global>> placed;
+    for (const SentCell& c : cells) {
+      LocalCell cell{{-1, -1, -1, -1}};
+      for (int k = 0; k < c.cell.size(); ++k) cell.vertices[k] = local_of_.at(c.cell.vertices[k]);
+      placed.emplace_back(cell, c.original);
+    }
+    std::sort(placed.begin(), placed.end(), [this](const auto& a, const auto& b) {
+      return std::pair(place_of(a.first.vertices[0]), a.second) < std::pair(place_of(b.first.vertices[0]), b.second);
+    });
+    for (const auto& [cell, original] : placed) {
+      if (mesh_.owns_vertex(cell.vertices[0])) {
+        mesh_.owned_cells.push_back(Local(mesh_.cells.size()));
+        mesh_.owned_cell_originals.push_back(original);
+      }
+      mesh_.cells.push_back(cell);
+    }
+  }
+
+  void place_triples(const std::vector<YarnTriple>& triples) {
+    for (const YarnTriple& t : triples)
+      mesh_.triples.push_back({local_of_.at(t.before), local_of_.at(t.centre), local_of_.at(t.after)});
+    std::sort(mesh_.triples.begin(), mesh_.triples.end(), [this](const auto& a, const auto& b) {
+      return std::pair(place_of(a[1]), mesh_.vertices.original[a[0]]) <
+             std::pair(place_of(b[1]), mesh_.vertices.original[b[0]]);
+    });
+  }
+
+  void number_edges(const std::vector<SentEdge>& edges) {
+    std::vector<SentEdge> owned, ghosts;
+    std::vector<int> ghost_owners;
+    for (const SentEdge& e : edges) {
+      const Local low = local_of_.at(e.low);
+      if (mesh_.owns_vertex(low)) {
+        owned.push_back(e);
+      } else {
+        ghosts.push_back(e);
+        ghost_owners.push_back(mesh_.vertices.ghost_owners[low - mesh_.vertices.owned]);
+      }
+    }
+    std::vector<std::array<Local, 2>> ends;
+    for (const SentEdge& e : owned) ends.push_back({local_of_.at(e.low), local_of_.at(e.high)});
+    IndexMap& map = mesh_.edges;
+    map.owned = Local(owned.size());
+    std::unordered_map<Global, std::array<Local, 2>> ghost_ends;
+    YarnOrder yarns = order_by_yarn(ends, mesh_.triples);
+    mesh_.continues_yarn = std::move(yarns.continues);
+    for (const Local i : yarns.order) {
+      map.original.push_back(owned[i].original);
+      mesh_.edge_vertices.push_back(ends[i]);
+    }
+    std::vector<Global> ghost_numbers;
+    for (const SentEdge& e : ghosts) {
+      ghost_numbers.push_back(e.original);
+      ghost_ends[e.original] = {local_of_.at(e.low), local_of_.at(e.high)};
+    }
+    append_by_owner(map, ghost_numbers, ghost_owners);
+    for (Local i = map.owned; i < Local(map.original.size()); ++i)
+      mesh_.edge_vertices.push_back(ghost_ends.at(map.original[i]));
+    mesh_.edge_halo = Halo(mesh_.comm, map);
+  }
+
+  void collect_stars() {
+    const auto& edges = mesh_.edge_vertices;
+    std::vector<Local> by_original(edges.size());
+    std::iota(by_original.begin(), by_original.end(), 0);
+    std::sort(by_original.begin(), by_original.end(),
+              [&](Local a, Local b) { return mesh_.edges.original[a] < mesh_.edges.original[b]; });
+    mesh_.star.assign(mesh_.vertices.size() + 1, 0);
+    for (const auto& e : edges)
+      for (const Local v : e) ++mesh_.star[v + 1];
+    std::partial_sum(mesh_.star.begin(), mesh_.star.end(), mesh_.star.begin());
+    mesh_.ends.resize(mesh_.star.back());
+    std::vector<std::size_t> at(mesh_.star.begin(), mesh_.star.end() - 1);
+    for (const Local e : by_original) {
+      mesh_.ends[at[edges[e][0]]++] = {e, edges[e][1], -1.0};
+      mesh_.ends[at[edges[e][1]]++] = {e, edges[e][0], +1.0};
+    }
+  }
+
+  void order_for_files() {
+    const std::span<const Global> vertices(mesh_.vertices.original), edges(mesh_.edges.original);
+    mesh_.vertex_order = OriginalOrder(mesh_.comm, mesh_.vertices.total, vertices.first(mesh_.vertices.owned));
+    mesh_.edge_order = OriginalOrder(mesh_.comm, mesh_.edges.total, edges.first(mesh_.edges.owned));
+    mesh_.cell_order = OriginalOrder(mesh_.comm, mesh_.total_cells, mesh_.owned_cell_originals);
+  }
+
+  void report() {
+    Global cut = 0;
+    for (Local e = 0; e < mesh_.edges.owned; ++e) cut += !mesh_.owns_vertex(mesh_.edge_vertices[e][1]);
+    const double mean = double(mesh_.vertices.total) / size_of(mesh_.comm);
+    mesh_.report = {sum_over(mesh_.comm, cut), double(max_over(mesh_.comm, Global(mesh_.vertices.owned))) / mean,
+                    max_over(mesh_.comm, Global(mesh_.vertices.ghosts()))};
+  }
+
+  const MeshSlab& slab_;
+  const std::vector<int>& owners_;
+  DistributedMesh mesh_;
+  Vec3 low_ = Vec3::Zero();
+  double side_ = 1;
+  std::unordered_map<Global, Local> local_of_; ///< local number of an original vertex number
+};
+
+} // namespace
+
+DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                           const std::vector<int>& owners) {
+  Parts parts;
+  parts.vertices = send_vertices(comm, mesh, owners);
+  parts.cells = send_cells(comm, mesh, owners);
+  send_stars(comm, mesh, topology, owners, parts);
+  return Builder(comm, mesh, owners).build(std::move(parts));
+}
+
+} // namespace taut

@@ -1,0 +1,42 @@
+#include "partition/grid.hpp"
+
+namespace taut {
+
+namespace {
+
+MeshSlab slabs(MPI_Comm comm, const char* name, Global vertices, Global cells) {
+  MeshSlab mesh;
+  mesh.name = name;
+  mesh.vertices = slab_of(vertices, size_of(comm), rank_of(comm));
+  mesh.cells = slab_of(cells, size_of(comm), rank_of(comm));
+  mesh.rest_positions.reserve(mesh.vertices.count);
+  mesh.cell.reserve(mesh.cells.count);
+  return mesh;
+}
+
+} // namespace
+
+MeshSlab make_grid(MPI_Comm comm, Vec2 size, std::array<int, 2> vertices) {
+  const Global nx = vertices[0], ny = vertices[1];
+  MeshSlab mesh = slabs(comm, "grid", nx * ny, (nx - 1) * (ny - 1));
+  const double dx = size[0] / double(nx - 1), dy = size[1] / double(ny - 1);
+  for (Global v = mesh.vertices.first; v < mesh.vertices.first + mesh.vertices.count; ++v)
+    mesh.rest_positions.emplace_back(double(v % nx) * dx, double(v / nx) * dy, 0.0);
+  for (Global c = mesh.cells.first; c < mesh.cells.first + mesh.cells.count; ++c) {
+    const Global corner = c / (nx - 1) * nx + c % (nx - 1);
+    mesh.cell.push_back({{corner, corner + 1, corner + nx + 1, corner + nx}});
+  }
+  return mesh;
+}
+
+MeshSlab make_line(MPI_Comm comm, double length, Global vertices) {
+  MeshSlab mesh = slabs(comm, "line", vertices, vertices - 1);
+  const double dx = length / double(vertices - 1);
+  for (Global v = mesh.vertices.first; v < mesh.vertices.first + mesh.vertices.count; ++v)
+    mesh.rest_positions.emplace_back(double(v) * dx, 0.0, 0.0);
+  for (Global c = mesh.cells.first; c < mesh.cells.first + mesh.cells.count; ++c)
+    mesh.cell.push_back({{c, c + 1, -1, -1}});
+  return mesh;
+}
+
+} // namespace taut

@@ -1,0 +1,78 @@
+#include "partition/partitioner.hpp"
+
+#include <metis.h>
+
+#include <limits>
+#include <numeric>
+
+namespace taut {
+
+namespace {
+
+/// Everybody's part on rank 0, in rank order; empty elsewhere.
+std::vector<idx_t> gather(MPI_Comm comm, const std::vector<idx_t>& part) {
+  static_assert(sizeof(idx_t) == sizeof(int));
+  const int count = int(part.size());
+  std::vector<int> counts(size_of(comm)), offsets(size_of(comm), 0);
+  MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
+  std::vector<idx_t> all;
+  if (rank_of(comm) == 0) all.resize(std::size_t(offsets.back()) + counts.back());
+  MPI_Gatherv(part.data(), count, MPI_INT, all.data(), counts.data(), offsets.data(), MPI_INT, 0, comm);
+  return all;
+}
+
+std::vector<int> scatter(MPI_Comm comm, const Slab& slab, const std::vector<idx_t>& all) {
+  std::vector<int> counts(size_of(comm)), offsets(size_of(comm));
+  for (int r = 0; r < size_of(comm); ++r) {
+    const Slab s = slab_of(slab.total, size_of(comm), r);
+    counts[r] = int(s.count);
+    offsets[r] = int(s.first);
+  }
+  std::vector<int> part(slab.count);
+  MPI_Scatterv(all.data(), counts.data(), offsets.data(), MPI_INT, part.data(), int(slab.count), MPI_INT, 0, comm);
+  return part;
+}
+
+std::vector<idx_t> metis_k_way(std::vector<idx_t>& degrees, std::vector<idx_t>& neighbours, idx_t parts) {
+  idx_t vertices = idx_t(degrees.size()), constraints = 1, cut = 0;
+  std::vector<idx_t> offsets(degrees.size() + 1, 0), owner(degrees.size(), 0);
+  std::partial_sum(degrees.begin(), degrees.end(), offsets.begin() + 1);
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  options[METIS_OPTION_UFACTOR] = 10; // at most 1 % over the mean
+  const int status =
+      METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr, nullptr,
+                          &parts, nullptr, nullptr, options, &cut, owner.data());
+  if (status != METIS_OK)
+    throw InputError("METIS could not partition the mesh; try partition.method: stripes");
+  return owner;
+}
+
+std::vector<int> stripes(MPI_Comm comm, const Slab& slab) { return std::vector<int>(slab.count, rank_of(comm)); }
+
+} // namespace
+
+std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method) {
+  const int ranks = size_of(comm);
+  if (method == Partitioner::stripes || ranks == 1 || ranks >= mesh.vertices.total)
+    return stripes(comm, mesh.vertices);
+  const Global adjacencies = sum_over(comm, Global(topology.spokes.size()));
+  if (adjacencies > std::numeric_limits<idx_t>::max())
+    throw InputError("the mesh has more edges than METIS can number; try partition.method: stripes");
+
+  std::vector<idx_t> degrees(mesh.vertices.count), neighbours(topology.spokes.size());
+  for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = idx_t(topology.star[i + 1] - topology.star[i]);
+  for (std::size_t i = 0; i < neighbours.size(); ++i) neighbours[i] = idx_t(topology.spokes[i].neighbour);
+  degrees = gather(comm, degrees);
+  neighbours = gather(comm, neighbours);
+  std::vector<idx_t> owner;
+  broadcast(comm, [&] {
+    owner = metis_k_way(degrees, neighbours, ranks);
+    return std::string();
+  });
+  return scatter(comm, mesh.vertices, owner);
+}
+
+} // namespace taut

@@ -1,0 +1,186 @@
+#include "partition/topology.hpp"
+
+#include "partition/fetch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace taut {
+
+namespace {
+
+/// One side of one cell, sent to the slab of its lower vertex.
+struct CellSide {
+  Global low, high;
+  Global cell;
+  Global line;      ///< of the cell in its file, 0 if it came from none
+  int cell_size;
+  int runs_upwards; ///< 1 if the cell runs from low to high along this side
+};
+
+struct Edge {
+  Global low, high;
+  Global number; ///< among the constrained edges, -1 if not one of them
+  std::array<Global, 2> cells;
+};
+
+std::string place(const MeshSlab& mesh, Global line) {
+  return line > 0 ? fmt::format("{}:{}", mesh.name, line) : mesh.name;
+}
+
+std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
+  std::vector<CellSide> sides;
+  std::vector<int> to;
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
+    const Cell& cell = mesh.cell[c];
+    const int n = cell.size();
+    for (int k = 0; k < (n == 2 ? 1 : n); ++k) {
+      const Global a = cell.vertices[k], b = cell.vertices[(k + 1) % n];
+      const Global line = mesh.cell_lines.empty() ? 0 : mesh.cell_lines[c];
+      sides.push_back({std::min(a, b), std::max(a, b), mesh.cells.first + Global(c), line, n, a < b});
+      to.push_back(slab_rank(mesh.vertices.total, size_of(comm), sides.back().low));
+    }
+  }
+  sides = exchange(comm, sides, to).items;
+  std::sort(sides.begin(), sides.end(), [](const CellSide& a, const CellSide& b) {
+    return std::tie(a.low, a.high, a.cell) < std::tie(b.low, b.high, b.cell);
+  });
+  return sides;
+}
+
+/// What is wrong with the sides that make up one edge, if anything.
+std::optional<std::string> fault_of(const MeshSlab& mesh, std::span<const CellSide> sides) {
+  if (sides.size() == 1) return std::nullopt;
+  const CellSide &one = sides[0], &two = sides[1];
+  const auto edge = fmt::format("the edge between vertices {} and {}", one.low + 1, one.high + 1);
+  const auto other = one.line > 0 ? fmt::format("line {}", one.line) : fmt::format("cell {}", one.cell + 1);
+  if (one.cell_size == 2 || two.cell_size == 2)
+    return fmt::format("{}: {} is there twice (also {}); remove one of them", place(mesh, two.line), edge, other);
+  if (sides.size() > 2)
+    return fmt::format("{}: {} has {} faces (one on {}): the mesh is non-manifold there; a cloth edge has one or two "
+                       "faces, so separate the sheets",
+                       place(mesh, sides.back().line), edge, sides.size(), other);
+  if (one.runs_upwards == two.runs_upwards)
+    return fmt::format("{}: this face and the face on {} run along {} in the same direction: one of them is flipped "
+                       "or doubled; orient all faces alike",
+                       place(mesh, two.line), other, edge);
+  return std::nullopt;
+}
+
+std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<const CellSide> sides,
+                             Global& constrained_total) {
+  std::vector<Edge> edges;
+  std::optional<std::string> fault;
+  Global constrained = 0;
+  for (std::size_t i = 0, j = 0; i < sides.size(); i = j) {
+    while (j < sides.size() && sides[j].low == sides[i].low && sides[j].high == sides[i].high) ++j;
+    const auto group = sides.subspan(i, j - i);
+    if (!fault) fault = fault_of(mesh, group);
+    const bool is_constrained =
+        std::any_of(group.begin(), group.end(), [](const CellSide& s) { return s.cell_size != 3; });
+    edges.push_back({group[0].low, group[0].high, is_constrained ? constrained++ : -1,
+                     {group[0].cell, group.size() > 1 ? group[1].cell : -1}});
+  }
+  agree(comm, fault);
+  const Global first = exclusive_sum(comm, constrained);
+  for (Edge& e : edges)
+    if (e.number >= 0) e.number += first;
+  constrained_total = sum_over(comm, constrained);
+  return edges;
+}
+
+void check_lengths(MPI_Comm comm, const MeshSlab& mesh, std::span<const Edge> edges) {
+  struct Placed {
+    Vec3 position;
+    Global line;
+  };
+  std::vector<Placed> placed(mesh.rest_positions.size());
+  for (std::size_t i = 0; i < placed.size(); ++i)
+    placed[i] = {mesh.rest_positions[i], mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[i]};
+  std::vector<Global> ends;
+  for (const Edge& e : edges) ends.push_back(e.high);
+  const auto high = fetch<Placed>(comm, mesh.vertices, placed, ends);
+
+  std::optional<std::string> fault;
+  for (std::size_t i = 0; i < edges.size() && !fault; ++i) {
+    const Placed& low = placed[edges[i].low - mesh.vertices.first];
+    if ((low.position - high[i].position).norm() > 0) continue;
+    fault = fmt::format("{}: vertex {} lies exactly on vertex {}{}, with which it shares an edge: the edge has zero "
+                        "length; merge the two vertices",
+                        place(mesh, high[i].line), edges[i].high + 1, edges[i].low + 1,
+                        low.line > 0 ? fmt::format(" (line {})", low.line) : "");
+  }
+  agree(comm, fault);
+}
+
+std::vector<Spoke> collect_spokes(MPI_Comm comm, const MeshSlab& mesh, std::span<const Edge> edges) {
+  std::vector<Spoke> spokes;
+  std::vector<int> to;
+  for (const Edge& e : edges)
+    for (const auto& [centre, neighbour] : {std::pair{e.low, e.high}, std::pair{e.high, e.low}}) {
+      spokes.push_back({centre, neighbour, e.number, e.cells});
+      to.push_back(slab_rank(mesh.vertices.total, size_of(comm), centre));
+    }
+  spokes = exchange(comm, spokes, to).items;
+  std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
+    return std::tie(a.centre, a.neighbour) < std::tie(b.centre, b.neighbour);
+  });
+  return spokes;
+}
+
+bool share_a_cell(const Spoke& a, const Spoke& b) {
+  for (const Global cell : a.cells)
+    if (cell >= 0 && (cell == b.cells[0] || cell == b.cells[1])) return true;
+  return false;
+}
+
+/// The only spoke of the star that continues `s`, or null.
+const Spoke* partner_of(const Spoke& s, std::span<const Spoke> star) {
+  const Spoke* partner = nullptr;
+  for (const Spoke& t : star) {
+    if (&t == &s || t.edge < 0 || share_a_cell(s, t)) continue;
+    if (partner) return nullptr;
+    partner = &t;
+  }
+  return partner;
+}
+
+void append_triples(std::span<const Spoke> star, std::vector<YarnTriple>& triples) {
+  for (const Spoke& s : star) {
+    if (s.edge < 0) continue;
+    const Spoke* t = partner_of(s, star);
+    if (t && s.neighbour < t->neighbour && partner_of(*t, star) == &s)
+      triples.push_back({s.neighbour, s.centre, t->neighbour});
+  }
+}
+
+} // namespace
+
+Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
+  Topology topology;
+  {
+    const auto sides = collect_sides(comm, mesh);
+    const auto edges = edges_from(comm, mesh, sides, topology.constrained_edges);
+    check_lengths(comm, mesh, edges);
+    topology.spokes = collect_spokes(comm, mesh, edges);
+  }
+  std::optional<std::string> fault;
+  topology.star.push_back(0);
+  for (Global v = 0; v < mesh.vertices.count; ++v) {
+    std::size_t end = topology.star.back();
+    while (end < topology.spokes.size() && topology.spokes[end].centre == mesh.vertices.first + v) ++end;
+    const std::span<const Spoke> star(topology.spokes.data() + topology.star.back(), end - topology.star.back());
+    if (star.empty() && !fault)
+      fault = fmt::format("{}: vertex {} belongs to no face and no line; remove it",
+                          place(mesh, mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[v]),
+                          mesh.vertices.first + v + 1);
+    append_triples(star, topology.triples);
+    topology.star.push_back(end);
+  }
+  agree(comm, fault);
+  return topology;
+}
+
+} // namespace taut

@@ -1,0 +1,55 @@
+#include "partition/yarn_order.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace taut {
+
+namespace {
+
+/// The (at most two) edges that continue each edge, -1 for none.
+std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local, 2>> edges,
+                                                std::span<const std::array<Local, 3>> triples) {
+  const auto key = [](Local a, Local b) {
+    return std::uint64_t(std::uint32_t(std::min(a, b))) << 32 | std::uint32_t(std::max(a, b));
+  };
+  std::unordered_map<std::uint64_t, Local> edge_of;
+  edge_of.reserve(edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) edge_of[key(edges[e][0], edges[e][1])] = Local(e);
+
+  std::vector<std::array<Local, 2>> next(edges.size(), {-1, -1});
+  for (const auto& [before, centre, after] : triples) {
+    const auto one = edge_of.find(key(before, centre)), two = edge_of.find(key(centre, after));
+    if (one == edge_of.end() || two == edge_of.end()) continue;
+    for (const auto& [e, f] : {std::pair{one->second, two->second}, std::pair{two->second, one->second}})
+      next[e][next[e][0] < 0 ? 0 : 1] = f;
+  }
+  return next;
+}
+
+} // namespace
+
+YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges, std::span<const std::array<Local, 3>> triples) {
+  const auto next = continuations(edges, triples);
+  YarnOrder yarns;
+  std::vector<char> placed(edges.size(), 0);
+  yarns.order.reserve(edges.size());
+  yarns.continues.reserve(edges.size());
+  const auto walk_from = [&](Local e) {
+    for (Local previous = -1; e >= 0 && !placed[e];) {
+      yarns.order.push_back(e);
+      yarns.continues.push_back(previous >= 0);
+      placed[e] = 1;
+      const Local onward = next[e][0] != previous ? next[e][0] : next[e][1];
+      previous = e;
+      e = onward;
+    }
+  };
+  for (std::size_t e = 0; e < edges.size(); ++e) // open yarns, from an end
+    if (!placed[e] && next[e][1] < 0) walk_from(Local(e));
+  for (std::size_t e = 0; e < edges.size(); ++e) // what is left is closed
+    if (!placed[e]) walk_from(Local(e));
+  return yarns;
+}
+
+} // namespace taut

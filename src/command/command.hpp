@@ -1,0 +1,41 @@
+#pragma once
+#include "src/config/case.hpp"
+#include "src/time/progress.hpp"
+
+#include <mpi.h>
+
+#include <filesystem>
+#include <vector>
+
+/// What `taut <command>` does. Each returns the program's exit code; all are collective, and rank 0 speaks.
+namespace taut::command {
+
+enum ExitCode { success = 0, internal_error = 1, input_error = 2, step_failure = 3 };
+
+/// What `run` and `check` are told about a case.
+struct CaseSource {
+  std::filesystem::path file;
+  std::vector<Override> overrides;
+  bool has_petsc_options = false;
+};
+
+enum class ExistingRun { refuse, overwrite };
+
+struct RunOptions {
+  CaseSource source;
+  std::filesystem::path out; ///< empty: out/<name of the case>
+  ExistingRun existing = ExistingRun::refuse;
+  ProgressStyle progress = ProgressStyle::lines;
+};
+
+int run(MPI_Comm comm, const RunOptions& options);
+int check(MPI_Comm comm, const CaseSource& source);
+int info(MPI_Comm comm, const std::filesystem::path& path);
+
+/// Reads the case file on rank 0 and shares it. Throws InputError.
+Case load_case(MPI_Comm comm, const CaseSource& source);
+
+/// Throws InputError if PETSc was given options that no solver asked for. Call it when the solvers are set up.
+void refuse_unused_petsc_options();
+
+} // namespace taut::command

@@ -1,0 +1,120 @@
+#include "src/command/command.hpp"
+#include "src/state/start.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <fstream>
+
+namespace taut::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+Json read_summary(const fs::path& file) {
+  std::ifstream in(file);
+  try {
+    return Json::parse(in);
+  } catch (const Json::exception& e) {
+    throw InputError(fmt::format("{}: not the summary of a run: {}", file.string(), e.what()));
+  }
+}
+
+Global count_frames(const fs::path& folder) {
+  Global frames = 0;
+  if (!fs::is_directory(folder)) return 0;
+  for (const auto& entry : fs::directory_iterator(folder)) frames += entry.path().extension() == ".h5";
+  return frames;
+}
+
+std::string describe_finished(const fs::path& folder, const Json& s) {
+  const auto number = [&](const char* group, const char* key) { return s.at(group).at(key).get<double>(); };
+  std::string text = fmt::format(
+      "{}: case {}, {} on {} ranks by taut {}\n"
+      "  cloth       {} vertices, {} faces, {} constrained edges\n"
+      "  time        {:.6g} s in {} steps ({} rejected), {} frames\n"
+      "  strain      {:.3g} % at most (limit {:.3g} %), rms {:.3g} %, 99.9 % of edges below {:.3g} %\n"
+      "  projection  {}: {:.2f} iterations a step (at most {}), {:.1f} CG iterations each\n"
+      "  velocity    {:.1f} CG iterations a step\n"
+      "  partition   {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n"
+      "  cost        {:.2f} s: set-up {:.2f}, velocity {:.2f}, projection {:.2f}, output {:.2f}; memory {:.0f} MB\n",
+      folder.string(), s.at("case").get<std::string>(), s.at("status").get<std::string>(), s.at("ranks").get<int>(),
+      s.at("version").get<std::string>(), s.at("vertices").get<Global>(), s.at("faces").get<Global>(),
+      s.at("constraints").get<Global>(), s.at("end_time").get<double>(), s.at("steps").get<Global>(),
+      s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(), 100 * number("strain", "max"),
+      100 * number("strain", "limit"), 100 * number("strain", "rms"), 100 * number("strain", "p999"),
+      s.at("projection").at("method").get<std::string>(), number("projection", "iterations_mean"),
+      number("projection", "iterations_max"), number("projection", "ksp_iterations_mean"),
+      number("velocity", "ksp_iterations_mean"), number("partition", "edge_cut"), number("partition", "imbalance"),
+      number("partition", "ghosts_max"), number("seconds", "total"), number("seconds", "setup"),
+      number("seconds", "velocity"), number("seconds", "projection"), number("seconds", "output"),
+      number("memory_bytes", "sum") / 1e6);
+  if (const auto reason = s.at("reason").get<std::string>(); !reason.empty()) text += "  stopped     " + reason + "\n";
+  return text;
+}
+
+std::string describe_run(const fs::path& folder) {
+  std::string text;
+  if (fs::exists(folder / "summary.json")) {
+    const Json summary = read_summary(folder / "summary.json");
+    try {
+      text = describe_finished(folder, summary);
+    } catch (const Json::exception& e) {
+      throw InputError(fmt::format("{}: not the summary of a run: {}", (folder / "summary.json").string(), e.what()));
+    }
+  } else if (fs::exists(folder / "frames.xdmf")) {
+    text = fmt::format("{}: a run that is still going on, or was cut off: {} frames so far\n", folder.string(),
+                       count_frames(folder / "frames"));
+  } else {
+    throw InputError(fmt::format("{}: holds no run (no summary.json, no frames.xdmf)", folder.string()));
+  }
+  return text + fmt::format("  look        paraview {0}  (edges with strain and tension: edges.xdmf)\n",
+                            fs::absolute(folder / "frames.xdmf").lexically_normal().string());
+}
+
+std::string describe_case(MPI_Comm comm, const fs::path& file) {
+  const Case input = load_case(comm, {file, {}, false});
+  const Cloth cloth = load_cloth(comm, input);
+  const State state = start_state(cloth, input);
+  const DistributedMesh& mesh = cloth.mesh;
+  std::array<double, 6> extent;
+  extent.fill(-HUGE_VAL);
+  double mass = 0, length = 0;
+  for (Local i = 0; i < mesh.vertices.owned; ++i) {
+    mass += cloth.mass[i];
+    for (int k = 0; k < 3; ++k) {
+      extent[k] = std::max(extent[k], -state.positions[i][k]);
+      extent[3 + k] = std::max(extent[3 + k], state.positions[i][k]);
+    }
+  }
+  for (Local e = 0; e < mesh.edges.owned; ++e) length += cloth.rest_length[e];
+  max_in_place(comm, extent);
+  mass = sum_over(comm, mass);
+  length = sum_over(comm, length);
+  return fmt::format("{}: case {}\n"
+                     "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n"
+                     "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
+                     "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
+                     file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
+                     length / double(std::max<Global>(mesh.edges.total, 1)), mass, -extent[0], extent[3], -extent[1],
+                     extent[4], -extent[2], extent[5], size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
+                     mesh.report.ghosts_max);
+}
+
+} // namespace
+
+int info(MPI_Comm comm, const fs::path& path) {
+  const bool is_run = broadcast(comm, [&] {
+                        if (!fs::exists(path))
+                          throw InputError(fmt::format("{}: there is no such file or folder", path.string()));
+                        return std::string(fs::is_directory(path) ? "run" : "case");
+                      }) == "run";
+  const std::string text = is_run ? broadcast(comm, [&] { return describe_run(path); }) : describe_case(comm, path);
+  if (rank_of(comm) == 0) fmt::print("{}", text);
+  return success;
+}
+
+} // namespace taut::command

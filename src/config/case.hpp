@@ -1,0 +1,212 @@
+#pragma once
+#include "partition/error.hpp"
+#include "partition/types.hpp"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The case: what to simulate, as plain data in SI units. The initial value of a member is the default of its
+/// key; names, units, ranges and meanings of all keys stand in describe.hpp.
+namespace taut::config {
+
+enum class LinearSolver { cg, mumps };
+enum class InextensibilityMethod { fast_projection, none };
+enum class PartitionMethod { metis, stripes };
+enum class Field { position, velocity, owner_rank, strain, tension };
+
+/// The words of a choice in the case file, in the order of the enumerators.
+constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
+constexpr std::array<std::string_view, 2> words_of(InextensibilityMethod) {
+  return {"fast_projection", "none"};
+}
+constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
+constexpr std::array<std::string_view, 5> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension"};
+}
+
+/// A rectangle in the plane z = 0: row i, column j is vertex i * vertices[0] + j; columns along x (warp),
+/// rows along y (weft).
+struct Grid {
+  Vec2 size = Vec2::Ones();          ///< m
+  std::array<int, 2> vertices{2, 2}; ///< along x, along y
+  bool operator==(const Grid&) const = default;
+};
+
+/// A chain of line elements along x.
+struct Line {
+  double length = 1; ///< m
+  int vertices = 2;
+  bool operator==(const Line&) const = default;
+};
+
+struct Rotation {
+  Vec3 axis = Vec3::UnitX(); ///< any length but zero
+  double angle = 0;          ///< rad
+  bool operator==(const Rotation&) const = default;
+};
+
+/// Where the cloth starts: the shape (if any), turned about the origin, then moved.
+struct Start {
+  std::optional<std::filesystem::path> shape;
+  Rotation rotate;
+  Vec3 translate = Vec3::Zero(); ///< m
+  bool operator==(const Start&) const = default;
+};
+
+/// Rayleigh damping.
+struct Damping {
+  double mass = 0;      ///< 1/s
+  double stiffness = 0; ///< s
+  bool operator==(const Damping&) const = default;
+};
+
+struct Material {
+  double density = 0.2;  ///< kg/m^2, kg/m on a line
+  double bending = 1e-5; ///< N m, N m^2 on a line
+  double shear = 10;     ///< N/m
+  Damping damping;
+  bool operator==(const Material&) const = default;
+};
+
+struct Cloth {
+  std::optional<Grid> grid; ///< exactly one of grid, line and mesh is there
+  std::optional<Line> line;
+  std::optional<std::filesystem::path> mesh; ///< as written: relative to `Case::folder`
+  double scale = 1;                          ///< m per unit of the mesh and of `start.shape`
+  Start start;
+  std::optional<std::string> fabric; ///< its values stand in `material` already
+  Material material;
+  bool operator==(const Cloth&) const = default;
+};
+
+struct Box {
+  Vec3 min = Vec3::Zero(); ///< m
+  Vec3 max = Vec3::Zero(); ///< m
+  bool operator==(const Box&) const = default;
+};
+
+/// A rotation about an axis through a point.
+struct PivotRotation {
+  Vec3 axis = Vec3::UnitX();  ///< any length but zero
+  double angle = 0;           ///< rad
+  Vec3 centre = Vec3::Zero(); ///< m
+  bool operator==(const PivotRotation&) const = default;
+};
+
+/// Where pinned vertices are at a time, as an offset from their start position: turned, then moved.
+struct Keyframe {
+  double time = 0;               ///< s
+  Vec3 translate = Vec3::Zero(); ///< m
+  PivotRotation rotate;
+  bool operator==(const Keyframe&) const = default;
+};
+
+struct Pin {
+  std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, box and near is there
+  std::optional<Box> box;
+  std::optional<std::vector<Vec3>> near; ///< m
+  std::vector<Keyframe> motion;          ///< times increase strictly; empty: the pin rests
+  std::optional<double> release;         ///< s; absent: never
+  bool operator==(const Pin&) const = default;
+};
+
+struct Gust {
+  double speed = 0;  ///< m/s
+  double length = 1; ///< m
+  double period = 1; ///< s
+  bool operator==(const Gust&) const = default;
+};
+
+struct Air {
+  Vec3 wind = Vec3::Zero(); ///< m/s
+  double density = 1.2;     ///< kg/m^3
+  double drag = 1;
+  Gust gust;
+  bool operator==(const Air&) const = default;
+};
+
+struct Time {
+  double end = 1;         ///< s
+  double frame_rate = 30; ///< Hz
+  double max_step = 0.01; ///< s
+  double min_step = 1e-6; ///< s
+  bool operator==(const Time&) const = default;
+};
+
+struct Velocity {
+  LinearSolver solver = LinearSolver::cg;
+  double tolerance = 1e-3;
+  int max_iterations = 1000;
+  bool operator==(const Velocity&) const = default;
+};
+
+struct Inextensibility {
+  InextensibilityMethod method = InextensibilityMethod::fast_projection;
+  double strain = 0.01;
+  LinearSolver solver = LinearSolver::cg;
+  int max_iterations = 20;
+  bool carried_tension = true;
+  double compliance = 0;
+  bool operator==(const Inextensibility&) const = default;
+};
+
+struct Partition {
+  PartitionMethod method = PartitionMethod::metis;
+  bool operator==(const Partition&) const = default;
+};
+
+struct Output {
+  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
+                            Field::tension};
+  bool operator==(const Output&) const = default;
+};
+
+} // namespace taut::config
+
+namespace taut {
+
+struct Case {
+  std::string name;
+  config::Cloth cloth;
+  std::vector<config::Pin> pins;
+  Vec3 gravity{0, 0, -9.81};      ///< m/s^2
+  std::optional<config::Air> air; ///< absent: vacuum
+  config::Time time;
+  config::Velocity velocity;
+  config::Inextensibility inextensibility;
+  config::Partition partition;
+  config::Output output;
+
+  std::filesystem::path folder; ///< not a key: the folder of the case file; empty is the working folder
+  bool operator==(const Case&) const = default;
+};
+
+/// `--set key=value`: `key` is a path such as "time.max_step" or "pins.0.release", `value` is YAML.
+struct Override {
+  std::string key;
+  std::string value;
+};
+
+/// Reads a case from YAML text; `file_name` names it in messages and gives `folder` and the default of
+/// `name`. Overrides are applied in order. An override that adds `cloth.mesh` takes the place of a
+/// `cloth.grid` in the file (likewise for all keys of which exactly one is to be given). Throws `InputError`
+/// for the first mistake found: "file:line:column: ...", or "--set key=value: ...".
+Case read_case(const std::string& text, const std::string& file_name,
+               std::span<const Override> overrides = {});
+
+/// The case as YAML with every default filled in (optional blocks that are absent stay so). Read again under
+/// the same file name it gives an equal case.
+std::string write_case(const Case& input);
+
+/// JSON Schema (draft 2020-12) of the case file.
+std::string case_schema();
+
+/// Markdown table of all keys: key, type, unit, default, meaning.
+std::string case_table();
+
+} // namespace taut

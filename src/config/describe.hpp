@@ -1,0 +1,223 @@
+#pragma once
+#include "src/config/case.hpp"
+#include "src/config/fabrics.hpp"
+#include "src/config/key.hpp"
+
+#include <concepts>
+#include <fmt/format.h>
+#include <type_traits>
+
+/// Every key of the case file, once. To add a key:
+///
+/// 1. give the struct in case.hpp a member with the default as its initial value;
+/// 2. add one line here: v("name", c.member, {.unit = ..., .range = ..., .meaning = "one line"}).
+///
+/// That is all: reading with its errors, writing, the JSON Schema and the table follow. `--set
+/// block.name=value` works too. A member may be a double, int, bool, text, path, enumeration with `words_of`,
+/// Vec2, Vec3, pair of ints, a struct described here, an optional or a vector of these. To add a struct,
+/// write `describe` for it; a new enumeration needs `words_of`, a new unit two lines in units.cpp.
+///
+/// A visitor `v` is called as
+///   v(name, member, Key)         for each key;
+///   v.exactly_one({names})       before the keys of which exactly one is to be given (optional members);
+///   v.check(name, holds, cure)   after the keys, for what a range cannot say.
+namespace taut::config {
+
+/// T is S or const S: the reader changes what it visits, the others do not.
+template<class T, class S>
+concept Is = std::same_as<std::remove_const_t<T>, S>;
+
+template<class V>
+void describe(V& v, Is<Grid> auto& g) {
+  v("size", g.size,
+    {.unit = Unit::metre,
+     .range = positive,
+     .presence = Presence::required,
+     .meaning = "lengths along x (warp) and y (weft)"});
+  v("vertices", g.vertices,
+    {.range = at_least(2),
+     .presence = Presence::required,
+     .meaning = "numbers of vertices along x and y; row i, column j is vertex i*nx + j"});
+}
+
+template<class V>
+void describe(V& v, Is<Line> auto& l) {
+  v("length", l.length,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "length along x"});
+  v("vertices", l.vertices,
+    {.range = at_least(2), .presence = Presence::required, .meaning = "number of vertices"});
+}
+
+template<class V>
+void describe(V& v, Is<Rotation> auto& r) {
+  v("axis", r.axis, {.meaning = "axis of the rotation, of any length"});
+  v("angle", r.angle, {.unit = Unit::radian, .meaning = "angle, by the right-hand rule"});
+  v.check("axis", !r.axis.isZero(0), "must not be zero; a rotation needs a direction");
+}
+
+template<class V>
+void describe(V& v, Is<Start> auto& s) {
+  v("shape", s.shape, {.meaning = "OBJ file with the same vertices in other places"});
+  v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
+  v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
+}
+
+template<class V>
+void describe(V& v, Is<Damping> auto& d) {
+  v("mass", d.mass,
+    {.unit = Unit::per_second, .range = not_negative, .meaning = "mass-proportional damping"});
+  v("stiffness", d.stiffness,
+    {.unit = Unit::second, .range = not_negative, .meaning = "stiffness-proportional damping"});
+}
+
+template<class V>
+void describe(V& v, Is<Material> auto& m) {
+  v("density", m.density, {.unit = Unit::cloth_density, .range = positive, .meaning = "mass per area"});
+  v("bending", m.bending,
+    {.unit = Unit::cloth_bending, .range = not_negative, .meaning = "bending stiffness"});
+  v("shear", m.shear,
+    {.unit = Unit::newton_per_metre,
+     .range = not_negative,
+     .meaning = "shear stiffness, per radian of shear angle"});
+  v("damping", m.damping, {.meaning = "Rayleigh damping"});
+}
+
+template<class V>
+void describe(V& v, Is<Cloth> auto& c) {
+  v.exactly_one({"grid", "line", "mesh"});
+  v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
+  v("line", c.line, {.meaning = "a chain of line elements along x"});
+  v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
+  v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
+  v("start", c.start, {.meaning = "where the cloth starts"});
+  v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
+  v("material", c.material,
+    {.computed_default = "of the fabric, if one is named", .meaning = "what the cloth is made of"});
+}
+
+template<class V>
+void describe(V& v, Is<Box> auto& b) {
+  v("min", b.min, {.unit = Unit::metre, .presence = Presence::required, .meaning = "lowest corner"});
+  v("max", b.max, {.unit = Unit::metre, .presence = Presence::required, .meaning = "highest corner"});
+  v.check("max", (b.min.array() <= b.max.array()).all(), "must not be below min in any direction");
+}
+
+template<class V>
+void describe(V& v, Is<PivotRotation> auto& r) {
+  v("axis", r.axis, {.meaning = "axis of the rotation, of any length"});
+  v("angle", r.angle, {.unit = Unit::radian, .meaning = "angle, by the right-hand rule"});
+  v("centre", r.centre, {.unit = Unit::metre, .meaning = "a point on the axis"});
+  v.check("axis", !r.axis.isZero(0), "must not be zero; a rotation needs a direction");
+}
+
+template<class V>
+void describe(V& v, Is<Keyframe> auto& k) {
+  v("time", k.time,
+    {.unit = Unit::second,
+     .range = not_negative,
+     .presence = Presence::required,
+     .meaning = "when the pin is here"});
+  v("translate", k.translate, {.unit = Unit::metre, .meaning = "offset from the start, after the rotation"});
+  v("rotate", k.rotate, {.meaning = "rotation of the start position, done first"});
+}
+
+/// Times that increase strictly.
+inline bool increasing(const std::vector<Keyframe>& motion) {
+  for (std::size_t i = 1; i < motion.size(); ++i)
+    if (!(motion[i - 1].time < motion[i].time)) return false;
+  return true;
+}
+
+template<class V>
+void describe(V& v, Is<Pin> auto& p) {
+  v.exactly_one({"vertices", "box", "near"});
+  v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
+  v("box", p.box, {.meaning = "all vertices whose start position is inside"});
+  v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("motion", p.motion,
+    {.meaning = "keyframes; linear between them, constant before and after; none: at rest"});
+  v("release", p.release,
+    {.unit = Unit::second,
+     .range = not_negative,
+     .computed_default = "never",
+     .meaning = "when the pin lets go"});
+  v.check("vertices", !p.vertices || !p.vertices->empty(), "must not be empty; a pin holds something");
+  v.check("near", !p.near || !p.near->empty(), "must not be empty; a pin holds something");
+  v.check("motion", increasing(p.motion), "times must increase from keyframe to keyframe; sort them");
+}
+
+template<class V>
+void describe(V& v, Is<Gust> auto& g) {
+  v("speed", g.speed,
+    {.unit = Unit::metre_per_second, .range = not_negative, .meaning = "amplitude, added along the wind"});
+  v("length", g.length, {.unit = Unit::metre, .range = positive, .meaning = "wave length in space"});
+  v("period", g.period, {.unit = Unit::second, .range = positive, .meaning = "period in time"});
+}
+
+template<class V>
+void describe(V& v, Is<Air> auto& a) {
+  v("wind", a.wind, {.unit = Unit::metre_per_second, .meaning = "velocity of the air"});
+  v("density", a.density,
+    {.unit = Unit::kilogram_per_metre3, .range = not_negative, .meaning = "density of the air"});
+  v("drag", a.drag, {.range = not_negative, .meaning = "pressure drag coefficient on the face normal"});
+  v("gust", a.gust, {.meaning = "a wave on top of the wind"});
+}
+
+template<class V>
+void describe(V& v, Is<Time> auto& t) {
+  v("end", t.end, {.unit = Unit::second, .range = positive, .meaning = "simulated time to run"});
+  v("frame_rate", t.frame_rate,
+    {.unit = Unit::hertz, .range = positive, .meaning = "frames written per second"});
+  v("max_step", t.max_step, {.unit = Unit::second, .range = positive, .meaning = "longest time step"});
+  v("min_step", t.min_step,
+    {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});
+  v.check("min_step", t.min_step <= t.max_step,
+          fmt::format("{} is above max_step, {}; make it smaller", t.min_step, t.max_step));
+}
+
+template<class V>
+void describe(V& v, Is<Velocity> auto& s) {
+  v("solver", s.solver, {.meaning = "linear solver: conjugate gradients, or MUMPS (direct)"});
+  v("tolerance", s.tolerance, {.range = fraction, .meaning = "relative residual at which cg stops"});
+  v("max_iterations", s.max_iterations,
+    {.range = at_least(1), .meaning = "most iterations of cg in a solve"});
+}
+
+template<class V>
+void describe(V& v, Is<Inextensibility> auto& i) {
+  v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
+  v("strain", i.strain, {.range = fraction, .meaning = "largest strain of an edge that is left"});
+  v("solver", i.solver, {.meaning = "linear solver of a projection"});
+  v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
+  v("carried_tension", i.carried_tension, {.meaning = "start a step from the tension of the last"});
+  v("compliance", i.compliance,
+    {.range = not_negative, .meaning = "softness, relative to the diagonal of the projection system"});
+}
+
+template<class V>
+void describe(V& v, Is<Partition> auto& p) {
+  v("method", p.method, {.meaning = "how the cloth is cut for the ranks"});
+}
+
+template<class V>
+void describe(V& v, Is<Output> auto& o) {
+  v("fields", o.fields, {.meaning = "what a frame holds"});
+}
+
+template<class V>
+void describe(V& v, Is<Case> auto& c) {
+  v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
+  v("cloth", c.cloth, {.presence = Presence::required, .meaning = "the cloth; one of grid, line and mesh"});
+  v("pins", c.pins, {.meaning = "what holds the cloth"});
+  v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
+  v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
+  v("time", c.time, {.meaning = "time and its steps"});
+  v("velocity", c.velocity, {.meaning = "the implicit velocity solve"});
+  v("inextensibility", c.inextensibility, {.meaning = "what keeps the cloth from stretching"});
+  v("partition", c.partition, {.meaning = "distribution over the ranks"});
+  v("output", c.output, {.meaning = "what is written"});
+  v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos,
+          "must be a word without '/'; it names a folder");
+}
+
+} // namespace taut::config

@@ -1,0 +1,102 @@
+#include "src/config/reader.hpp"
+#include "src/config/suggest.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace taut {
+
+namespace config {
+
+Reader::Reader(const Spot& spot, const std::vector<std::string>& names) : map_(spot.tree), path_(spot.path) {
+  if (map_.kind == Tree::Kind::nothing)
+    spot.fail("expected a block of keys, found nothing; write {} for its defaults");
+  if (map_.kind != Tree::Kind::map)
+    fail_type(spot, fmt::format("a block of keys ({})", fmt::join(names, ", ")));
+  for (const Entry& entry : map_.entries) {
+    if (std::find(names.begin(), names.end(), entry.key) != names.end()) continue;
+    const auto meant = nearest(entry.key, names);
+    const std::string help = meant ? fmt::format("did you mean '{}'?", *meant)
+                                   : fmt::format("known here: {}", fmt::join(names, ", "));
+    throw InputError(fmt::format("{}: unknown key '{}' ({})", entry.place, entry.key, help));
+  }
+}
+
+void Reader::exactly_one(std::initializer_list<std::string_view> names) {
+  const auto is_one = [&](const Entry& e) {
+    return std::find(names.begin(), names.end(), e.key) != names.end();
+  };
+  const auto overrides = [&](const Entry& e) { return e.origin == Origin::override && is_one(e); };
+  if (std::any_of(map_.entries.begin(), map_.entries.end(), overrides))
+    std::erase_if(map_.entries, [&](const Entry& e) { return e.origin == Origin::file && is_one(e); });
+
+  const auto end = map_.entries.end();
+  const auto first = std::find_if(map_.entries.begin(), end, is_one);
+  if (first == end) fail(fmt::format("give one of the keys {}", fmt::join(names, ", ")));
+  const auto second = std::find_if(first + 1, end, is_one);
+  if (second != end)
+    throw InputError(fmt::format("{}: {} and {} exclude each other; keep one", second->place,
+                                 path_of(second->key), path_of(first->key)));
+}
+
+void Reader::check(std::string_view name, bool holds, std::string_view cure) const {
+  if (holds) return;
+  const Entry* entry = map_.find(name);
+  throw InputError(fmt::format("{}: {}: {}", entry ? entry->value.place : map_.place, path_of(name), cure));
+}
+
+std::string Reader::path_of(std::string_view name) const {
+  return path_.empty() ? std::string(name) : fmt::format("{}.{}", path_, name);
+}
+
+void Reader::fail(const std::string& message) const {
+  throw InputError(path_.empty() ? fmt::format("{}: {}", map_.place, message)
+                                 : fmt::format("{}: {}: {}", map_.place, path_, message));
+}
+
+void Reader::fail_missing(std::string_view name, const Key& key) const {
+  fail(fmt::format("missing key '{}' ({}); add it", name, key.meaning));
+}
+
+namespace {
+
+std::string default_name(const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().filename().string();
+  return folder.empty() || folder == "." || folder == ".." ? file.stem().string() : folder;
+}
+
+/// The material that stands before the keys of `material` are read; an unknown fabric is for the reader to
+/// refuse.
+Material initial_material(const Tree& root) {
+  Material material;
+  const Entry* cloth = root.find("cloth");
+  const Entry* name = cloth ? cloth->value.find("fabric") : nullptr;
+  if (const Fabric* fabric = name ? find_fabric(name->value.text) : nullptr) {
+    material.density = fabric->density;
+    material.bending = fabric->bending;
+    material.shear = fabric->shear;
+  }
+  return material;
+}
+
+} // namespace
+
+} // namespace config
+
+Case read_case(const std::string& text, const std::string& file_name, std::span<const Override> overrides) {
+  using namespace config;
+  Tree root = parse_case(text, file_name);
+  for (const Override& o : overrides) apply_override(root, o.key, o.value);
+
+  const std::filesystem::path file(file_name);
+  Case input;
+  input.name = default_name(file);
+  input.folder = file.parent_path();
+  input.cloth.material = initial_material(root);
+  const Key whole;
+  read(Spot{root, "", whole}, input);
+  return input;
+}
+
+} // namespace taut

@@ -1,0 +1,161 @@
+#include "src/config/tree.hpp"
+#include "partition/error.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+#include <functional>
+#include <yaml-cpp/yaml.h>
+
+namespace taut::config {
+
+namespace {
+
+using Place = std::function<std::string(const YAML::Mark&)>;
+
+Place place_in_file(const std::string& name) {
+  return [name](const YAML::Mark& m) {
+    return fmt::format("{}:{}:{}", name, std::max(m.line, 0) + 1, std::max(m.column, 0) + 1);
+  };
+}
+
+/// Deeper than any case; an alias that holds itself has no end.
+constexpr int deepest = 50;
+
+class Converter {
+public:
+  Converter(Place place, Origin origin) : place_(std::move(place)), origin_(origin) {}
+
+  Tree convert(const YAML::Node& node, int depth = 0) const {
+    Tree tree;
+    tree.place = place_(node.Mark());
+    if (depth > deepest) throw InputError(tree.place + ": nested too deep; a case has few levels");
+    if (node.IsScalar()) {
+      tree.kind = Tree::Kind::scalar;
+      tree.text = node.Scalar();
+    } else if (node.IsSequence()) {
+      tree.kind = Tree::Kind::list;
+      for (const auto& item : node) tree.items.push_back(convert(item, depth + 1));
+    } else if (node.IsMap()) {
+      tree.kind = Tree::Kind::map;
+      for (const auto& pair : node) add(tree, pair.first, convert(pair.second, depth + 1));
+    }
+    return tree;
+  }
+
+private:
+  void add(Tree& map, const YAML::Node& key, Tree value) const {
+    const std::string place = place_(key.Mark());
+    if (!key.IsScalar()) throw InputError(place + ": a key must be a word");
+    if (const Entry* first = map.find(key.Scalar()))
+      throw InputError(fmt::format("{}: key '{}' is given twice (first at {}); remove one", place,
+                                   key.Scalar(), first->place));
+    if (value.kind == Tree::Kind::nothing) value.place = place; // its own place is that of what follows
+    map.entries.push_back({key.Scalar(), place, origin_, std::move(value)});
+  }
+
+  Place place_;
+  Origin origin_;
+};
+
+Tree parse(const std::string& text, const Place& place, Origin origin) {
+  try {
+    const auto documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      throw InputError(place(documents[1].Mark()) + ": a second document starts here; a case is only one");
+    return Converter(place, origin).convert(documents.empty() ? YAML::Node() : documents[0]);
+  } catch (const YAML::Exception& e) {
+    throw InputError(fmt::format("{}: not YAML: {}; check indentation, colons, brackets and quotes here",
+                                 place(e.mark), e.msg));
+  }
+}
+
+std::vector<std::string> split(const std::string& key) {
+  std::vector<std::string> parts{""};
+  for (const char c : key) {
+    if (c == '.')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
+
+bool is_index(const std::string& part) {
+  return !part.empty() && std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+Tree& list_item(Tree& list, const std::string& part, const std::string& place) {
+  std::size_t index = 0;
+  const auto end = part.data() + part.size();
+  const auto [stop, error] = std::from_chars(part.data(), end, index);
+  if (error != std::errc{} || stop != end || index >= list.items.size())
+    throw InputError(fmt::format("{}: '{}' is not an entry of the list, which has {}; count from 0", place,
+                                 part, list.items.size()));
+  return list.items[index];
+}
+
+Tree& map_value(Tree& map, const std::string& part, const std::string& place) {
+  if (Entry* entry = map.find(part)) return entry->value;
+  Tree missing;
+  missing.place = place;
+  map.entries.push_back({part, place, Origin::override, std::move(missing)});
+  return map.entries.back().value;
+}
+
+Tree& descend(Tree& tree, const std::string& part, const std::string& place) {
+  if (tree.kind == Tree::Kind::list) return list_item(tree, part, place);
+  if (tree.kind == Tree::Kind::scalar)
+    throw InputError(fmt::format("{}: there is no '{}' below {}", place, part, tree.found()));
+  if (is_index(part))
+    throw InputError(fmt::format("{}: there is no entry {} to change; add it to the case file", place, part));
+  tree.kind = Tree::Kind::map;
+  return map_value(tree, part, place);
+}
+
+} // namespace
+
+const Entry* Tree::find(std::string_view key) const {
+  for (const Entry& e : entries)
+    if (e.key == key) return &e;
+  return nullptr;
+}
+
+Entry* Tree::find(std::string_view key) {
+  for (Entry& e : entries)
+    if (e.key == key) return &e;
+  return nullptr;
+}
+
+std::string Tree::found() const {
+  switch (kind) {
+  case Kind::scalar:
+    return fmt::format("'{}'", text);
+  case Kind::list:
+    return fmt::format("a list of {}", items.size());
+  case Kind::map:
+    return "a block of keys";
+  case Kind::nothing:
+    break;
+  }
+  return "nothing";
+}
+
+Tree parse_case(const std::string& text, const std::string& file_name) {
+  Tree root = parse(text, place_in_file(file_name), Origin::file);
+  if (root.kind == Tree::Kind::nothing)
+    throw InputError(root.place + ": the case is empty; give at least 'cloth'");
+  if (root.kind != Tree::Kind::map)
+    throw InputError(fmt::format("{}: expected keys such as 'cloth:', found {}", root.place, root.found()));
+  return root;
+}
+
+void apply_override(Tree& root, const std::string& key, const std::string& value) {
+  const std::string place = fmt::format("--set {}={}", key, value);
+  Tree* target = &root;
+  for (const std::string& part : split(key)) target = &descend(*target, part, place);
+  *target = parse(
+      value, [&](const YAML::Mark&) { return place; }, Origin::override);
+}
+
+} // namespace taut::config

@@ -1,0 +1,45 @@
+#pragma once
+#include <string_view>
+
+/// Units of the case file. A quantity is a plain number in its SI unit, or a text such as "10 ms".
+namespace taut::config {
+
+enum class Unit {
+  none,
+  metre,
+  second,
+  hertz,
+  per_second,
+  radian,
+  metre_per_second,
+  metre_per_second2,
+  kilogram_per_metre3,
+  cloth_density, ///< kg/m^2 on a surface, kg/m on a line
+  cloth_bending, ///< N m on a surface, N m^2 on a line
+  newton_per_metre,
+};
+
+/// How messages and documents speak of a unit.
+struct UnitName {
+  Unit unit;
+  std::string_view symbol;   ///< "s"
+  std::string_view quantity; ///< "time"
+  std::string_view plural;   ///< "seconds"
+  std::string_view example;  ///< "10 ms"
+};
+
+const UnitName& name_of(Unit unit);
+
+/// A scale in which a quantity may be written: a number x stands for x * times / over in SI units. Two
+/// integers rather than one factor, for "3 ms" is to be exactly the number 0.003.
+struct Scale {
+  Unit unit;
+  std::string_view symbol;
+  double times = 1;
+  double over = 1;
+};
+
+/// The scale called `symbol` for quantities in `unit`; nullptr if there is none.
+const Scale* find_scale(Unit unit, std::string_view symbol);
+
+} // namespace taut::config

@@ -1,0 +1,110 @@
+#include "src/config/describe.hpp"
+
+#include <initializer_list>
+#include <yaml-cpp/yaml.h>
+
+namespace taut {
+
+namespace config {
+
+namespace {
+
+std::string text_of(double value) {
+  return fmt::format("{}", value);
+} // the shortest text that reads back exactly
+std::string text_of(int value) { return fmt::format("{}", value); }
+std::string text_of(Global value) { return fmt::format("{}", value); }
+std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(const std::string& value) { return value; }
+std::string text_of(const std::filesystem::path& value) { return value.string(); }
+
+template<class Choice>
+std::string text_of(Choice value) requires std::is_enum_v<Choice> {
+  return std::string(words_of(value)[static_cast<std::size_t>(value)]);
+}
+
+template<class T>
+concept Scalar = requires(const T& value) {
+  text_of(value);
+};
+
+template<Scalar T>
+void write(YAML::Emitter& out, const T& value) {
+  out << text_of(value);
+}
+
+template<class Values>
+void write_row(YAML::Emitter& out, const Values& values) {
+  out << YAML::Flow << YAML::BeginSeq;
+  for (const auto& value : values) write(out, value);
+  out << YAML::EndSeq;
+}
+
+void write(YAML::Emitter& out, const Vec2& value) { write_row(out, value); }
+void write(YAML::Emitter& out, const Vec3& value) { write_row(out, value); }
+void write(YAML::Emitter& out, const std::array<int, 2>& value) { write_row(out, value); }
+
+template<class Struct>
+void write(YAML::Emitter& out, const Struct& value) requires(std::is_class_v<Struct> && !Scalar<Struct>);
+
+template<class T>
+void write(YAML::Emitter& out, const std::vector<T>& values) {
+  if (Scalar<T> || std::same_as<T, Vec3> || values.empty()) out << YAML::Flow;
+  out << YAML::BeginSeq;
+  for (const T& value : values) write(out, value);
+  out << YAML::EndSeq;
+}
+
+template<class T>
+bool is_absent(const T&) {
+  return false;
+}
+
+template<class T>
+bool is_absent(const std::optional<T>& value) {
+  return !value;
+}
+
+template<class T>
+void write(YAML::Emitter& out, const std::optional<T>& value) {
+  write(out, *value);
+}
+
+/// Visitor: writes the keys of one struct.
+class Writer {
+public:
+  explicit Writer(YAML::Emitter& out) : out_(out) {}
+
+  template<class T>
+  void operator()(std::string_view name, const T& value, const Key& key) {
+    if (is_absent(value)) return;
+    out_ << YAML::Key << std::string(name) << YAML::Value;
+    write(out_, value);
+    if (key.unit != Unit::none) out_ << YAML::Comment(std::string(name_of(key.unit).symbol));
+  }
+  void exactly_one(std::initializer_list<std::string_view>) {}
+  void check(std::string_view, bool, std::string_view) {}
+
+private:
+  YAML::Emitter& out_;
+};
+
+template<class Struct>
+void write(YAML::Emitter& out, const Struct& value) requires(std::is_class_v<Struct> && !Scalar<Struct>) {
+  out << YAML::BeginMap;
+  Writer writer(out);
+  describe(writer, value);
+  out << YAML::EndMap;
+}
+
+} // namespace
+
+} // namespace config
+
+std::string write_case(const Case& input) {
+  YAML::Emitter out;
+  config::write(out, input);
+  return std::string(out.c_str()) + "\n";
+}
+
+} // namespace taut

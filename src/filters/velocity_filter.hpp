@@ -1,0 +1,25 @@
+#pragma once
+#include "src/state/cloth.hpp"
+
+#include <string>
+
+namespace taut {
+
+struct FilterReport {
+  int iterations = 0;        ///< of the filter
+  int linear_iterations = 0; ///< of the linear solver, over all of them
+  std::string failure;       ///< empty, or why the step cannot be accepted
+};
+
+/// Changes the velocities a step proposes so that a constraint holds at its end [G07 section 4: time stepping,
+/// inextensibility and contact stay decoupled]. Filters form a list; each sees what those before it left.
+class VelocityFilter {
+ public:
+  virtual ~VelocityFilter() = default;
+
+  /// `prescribed` marks the local vertices whose velocity must stay. Ghosts are current on entry and on exit. Collective.
+  virtual FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
+                             Candidate& candidate) = 0;
+};
+
+} // namespace taut

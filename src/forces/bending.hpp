@@ -1,0 +1,34 @@
+#pragma once
+#include "src/forces/force.hpp"
+
+namespace taut {
+
+/// Isometric bending along yarns. At every vertex a yarn passes through, with neighbours b and a at rest distances l1 and
+/// l2, the curvature vector is kappa = 2/(l1 + l2) ((x_a - x)/l2 - (x - x_b)/l1) and the energy B/2 |kappa|^2 A with the
+/// bending stiffness B (N m) and the area A of the vertex: quadratic in the positions, exact for a sheet
+/// bent without stretch [Bergou et al. 2006, Wardetzky et al. 2007, for the stencil of a yarn]. The rest shape is flat.
+class YarnBending : public Force {
+ public:
+  /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
+  YarnBending(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+
+  std::string_view name() const override { return "bending"; }
+  double energy(const State& state) const override;
+  void add_to(StepSystem& system, const State& state) const override;
+
+ private:
+  struct Stencil {
+    std::array<Local, 3> vertices;   ///< before, centre, after
+    std::array<double, 3> weights;   ///< E = 1/2 |sum w x|^2
+    std::array<std::int32_t, 9> slots;
+  };
+
+  const Cloth& cloth_;
+  double damping_;
+  std::vector<Stencil> stencils_;
+};
+
+/// The weights w for which kappa = sum w x, at rest distances l1 and l2.
+std::array<double, 3> curvature_weights(double l1, double l2);
+
+} // namespace taut

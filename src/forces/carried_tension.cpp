@@ -1,0 +1,23 @@
+#include "src/forces/carried_tension.hpp"
+
+namespace taut {
+
+CarriedTension::CarriedTension(const Cloth& cloth, const Pattern& pattern) : cloth_(cloth) {
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
+    for (const EdgeEnd& end : cloth.mesh.star_of(i)) slots_.push_back(std::int32_t(pattern.slot(i, end.other)));
+}
+
+void CarriedTension::add_to(StepSystem& system, const State& state) const {
+  auto slot = slots_.begin();
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    Vec3 pull = Vec3::Zero();
+    for (const EdgeEnd& end : cloth_.mesh.star_of(i)) {
+      const double q = std::max(state.force_density[end.edge], 0.0);
+      pull += q * (state.positions[end.other] - state.positions[i]);
+      system.add_laplacian(i, *slot++, q);
+    }
+    system.add_force(i, pull);
+  }
+}
+
+} // namespace taut

@@ -1,0 +1,16 @@
+#include "src/forces/gravity.hpp"
+
+namespace taut {
+
+double Gravity::energy(const State& state) const {
+  double energy = 0;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    energy -= cloth_.mass[i] * acceleration_.dot(state.positions[i]);
+  return energy;
+}
+
+void Gravity::add_to(StepSystem& system, const State&) const {
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) system.add_force(i, cloth_.mass[i] * acceleration_);
+}
+
+} // namespace taut

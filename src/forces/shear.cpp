@@ -1,0 +1,67 @@
+#include "src/forces/shear.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+std::array<Vec3, 4> corners(const std::array<Local, 4>& v, std::span<const Vec3> x) {
+  return {x[v[0]], x[v[1]], x[v[2]], x[v[3]]};
+}
+
+Vec3 weighted_sum(const std::array<double, 4>& c, const std::array<Vec3, 4>& x) {
+  return c[0] * x[0] + c[1] * x[1] + c[2] * x[2] + c[3] * x[3];
+}
+
+} // namespace
+
+QuadShearStencil quad_shear_stencil(const std::array<Vec3, 4>& p) {
+  const double u = 1.0 / ((p[1] - p[0]).norm() + (p[2] - p[3]).norm());
+  const double v = 1.0 / ((p[3] - p[0]).norm() + (p[2] - p[1]).norm());
+  QuadShearStencil s{{-u, u, u, -u}, {-v, -v, v, v}, 0.0};
+  s.rest = weighted_sum(s.c_u, p).dot(weighted_sum(s.c_v, p));
+  return s;
+}
+
+ShearValue evaluate(const QuadShearStencil& s, const std::array<Vec3, 4>& x) {
+  const Vec3 w_u = weighted_sum(s.c_u, x), w_v = weighted_sum(s.c_v, x);
+  ShearValue value{w_u.dot(w_v) - s.rest, {}};
+  for (int k = 0; k < 4; ++k) value.gradient[k] = s.c_u[k] * w_v + s.c_v[k] * w_u;
+  return value;
+}
+
+QuadShear::QuadShear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
+    : cloth_(cloth), damping_(damping) {
+  for (const LocalCell& cell : cloth.mesh.cells) {
+    if (cell.size() != 4) continue;
+    const auto p = corners(cell.vertices, cloth.mesh.rest_positions);
+    const double area = 0.5 * (p[2] - p[0]).cross(p[3] - p[1]).norm();
+    elements_.push_back({cell.vertices, quad_shear_stencil(p), stiffness * area, pattern.slots<4>(cell.vertices)});
+  }
+}
+
+double QuadShear::energy(const State& state) const {
+  double energy = 0;
+  for (const Element& e : elements_) {
+    if (!cloth_.mesh.owns_vertex(e.vertices[0])) continue;
+    const double c = evaluate(e.stencil, corners(e.vertices, state.positions)).condition;
+    energy += 0.5 * e.stiffness * c * c;
+  }
+  return energy;
+}
+
+void QuadShear::add_to(StepSystem& system, const State& state) const {
+  for (const Element& e : elements_) {
+    const auto [c, gradient] = evaluate(e.stencil, corners(e.vertices, state.positions));
+    for (int k = 0; k < 4; ++k) system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
+    system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * damping_);
+    std::array<double, 4> half; // C (c_u c_v^T + c_v c_u^T) = C/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
+    for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (c > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
+    system.add_outer<4>(e.slots, half, 0.5 * e.stiffness * std::abs(c), 0.0);
+  }
+}
+
+} // namespace taut

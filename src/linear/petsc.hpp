@@ -1,0 +1,46 @@
+#pragma once
+// PETSc's handles with an owner, for the .cpp files of this folder only.
+#include <petscksp.h>
+#include <petsc/private/petscimpl.h> // PetscObjectStateIncrease
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace taut {
+
+/// Turns a PETSc error code into an exception that carries PETSc's text.
+inline void check(PetscErrorCode code) {
+  if (code == 0) return;
+  const char* text = nullptr;
+  char* specific = nullptr;
+  PetscErrorMessage(code, &text, &specific);
+  throw std::runtime_error(std::string("PETSc: ") + (text ? text : "unknown error") +
+                           (specific && *specific ? std::string(": ") + specific : ""));
+}
+
+/// Tells PETSc that the values behind an object changed, so that preconditioners are made anew.
+inline void mark_changed(Mat matrix) { check(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(matrix))); }
+
+/// Owns one PETSc object.
+template <class Object, PetscErrorCode (*Destroy)(Object*)>
+class Owned {
+ public:
+  Owned() = default;
+  ~Owned() { Destroy(&object_); }
+  Owned(Owned&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Owned& operator=(Owned&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  operator Object() const { return object_; }
+  Object* address() { return &object_; } ///< for PETSc's ...Create functions
+ private:
+  Object object_ = nullptr;
+};
+
+using OwnedMat = Owned<Mat, MatDestroy>;
+using OwnedVec = Owned<Vec, VecDestroy>;
+using OwnedKsp = Owned<KSP, KSPDestroy>;
+
+} // namespace taut

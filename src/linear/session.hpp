@@ -1,0 +1,21 @@
+#pragma once
+#include <span>
+#include <string>
+
+namespace taut {
+
+/// Starts MPI and PETSc, ends them when it goes. One a program, first thing in `main`. PETSc's options come from
+/// `petsc_options` alone (`{"-velocity_ksp_monitor", ...}`) and from the environment variable PETSC_OPTIONS, never from
+/// the command line. PETSc's signal handlers and error printing stay off.
+class Session {
+ public:
+  Session(int& argc, char**& argv, std::span<const std::string> petsc_options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+};
+
+/// The options given but asked for by nobody so far, e.g. because they are misspelt. Not collective.
+std::string unused_petsc_options();
+
+} // namespace taut

@@ -1,0 +1,42 @@
+#include "src/linear/vertex_matrix.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+void VertexMatrix::clear() {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  rank_ones_.clear();
+}
+
+void VertexMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
+  const Local rows = pattern_.rows();
+  const double* value = values_.data();
+  for (Local row = 0; row < rows; ++row) {
+    double s0 = 0, s1 = 0, s2 = 0;
+    for (const Local column : pattern_.columns(row)) {
+      const double b = *value++;
+      const Vec3& xc = x[column];
+      s0 += b * xc[0];
+      s1 += b * xc[1];
+      s2 += b * xc[2];
+    }
+    y[row] = Vec3(s0, s1, s2);
+  }
+  // Entries of ghosts are not wanted but cheaper to add than to avoid.
+  for (const RankOne& r : rank_ones_) {
+    double s = 0;
+    for (int a = 0; a < 4; ++a) s += r.gradient[a].dot(x[r.vertices[a]]);
+    for (int a = 0; a < 4; ++a) y[r.vertices[a]] += s * r.gradient[a];
+  }
+}
+
+void VertexMatrix::diagonal_blocks(std::span<Mat3> blocks) const {
+  for (Local row = 0; row < pattern_.rows(); ++row)
+    blocks[row] = Mat3::Identity() * values_[pattern_.diagonal(row)];
+  for (const RankOne& r : rank_ones_)
+    for (int a = 0; a < 4; ++a)
+      if (r.vertices[a] < pattern_.rows()) blocks[r.vertices[a]] += r.gradient[a] * r.gradient[a].transpose();
+}
+
+} // namespace taut

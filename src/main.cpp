@@ -1,0 +1,123 @@
+#include "src/command/command.hpp"
+#include "src/linear/session.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace {
+
+using namespace taut;
+using namespace taut::command;
+
+constexpr const char* footer = R"(
+Examples:
+  taut run cases/drape/case.yaml                    one rank, results in out/drape
+  mpirun -n 8 taut run cases/drape/case.yaml --out out/fine --set 'cloth.grid.vertices=[281, 281]'
+  taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor
+  taut check case.yaml                              validate a case without running it
+  taut info out/drape                               what a run holds, in words
+  taut schema                                       all keys of a case file (JSON Schema; --table for a table)
+
+What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
+with -projection_. Units are SI; a value may name another, as in '10 ms' or '1 %'.
+Exit codes: 0 all accepted steps met the limits of the case; 1 a fault in the program; 2 a mistake in the case, mesh,
+options or output folder; 3 no acceptable step could be found.)";
+
+/// The command line, cut at "--".
+struct Arguments {
+  std::vector<std::string> own, petsc;
+};
+
+Arguments split(int argc, char** argv) {
+  const std::vector<std::string> all(argv + 1, argv + argc);
+  const auto cut = std::find(all.begin(), all.end(), "--");
+  return {{all.begin(), cut}, {cut == all.end() ? cut : cut + 1, all.end()}};
+}
+
+Override parse_override(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InputError(fmt::format("--set {}: write --set key=value, e.g. --set time.max_step=0.005", text));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+/// The bar needs a terminal; mpirun puts something that looks like one between, so there only --progress bar gives it.
+ProgressStyle style_of(const std::string& word) {
+  const bool under_mpirun = std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_RANK");
+  const bool bar = word == "bar" || (word == "auto" && !under_mpirun && isatty(STDOUT_FILENO));
+  return bar ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+class CommandLine {
+ public:
+  CommandLine() : app_("Taut - cloth that does not stretch, on many ranks", "taut") {
+    app_.require_subcommand(1);
+    app_.set_version_flag("--version", std::string("taut ") + TAUT_VERSION);
+    app_.footer(footer);
+    run_ = app_.add_subcommand("run", "Simulate a case");
+    check_ = app_.add_subcommand("check", "Validate a case, its mesh and options, and say what is wrong");
+    info_ = app_.add_subcommand("info", "Say in words what a run folder or a case file holds");
+    schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
+    for (CLI::App* command : {run_, check_}) {
+      command->add_option("case", case_, "The case file (YAML)")->required();
+      command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
+          ->type_name("KEY=VALUE")
+          ->take_all();
+    }
+    run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
+    run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
+    run_->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
+        ->check(CLI::IsMember({"auto", "lines", "bar"}));
+    info_->add_option("path", path_, "A folder with a run, or a case file")->required();
+    schema_->add_flag("--table", table_, "A Markdown table instead");
+  }
+
+  int execute(MPI_Comm comm, const Arguments& arguments) {
+    std::vector<std::string> reversed(arguments.own.rbegin(), arguments.own.rend()); // as CLI11 wants them
+    try {
+      app_.parse(reversed);
+    } catch (const CLI::ParseError& e) {
+      const int code = rank_of(comm) == 0 ? app_.exit(e) : e.get_exit_code();
+      return code == 0 ? success : input_error;
+    }
+    if (*schema_) return print(comm, table_ ? case_table() : case_schema());
+    if (*info_) return info(comm, path_);
+    CaseSource source{case_, {}, !arguments.petsc.empty()};
+    for (const std::string& s : sets_) source.overrides.push_back(parse_override(s));
+    if (*check_) return check(comm, source);
+    return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
+  }
+
+ private:
+  static int print(MPI_Comm comm, const std::string& text) {
+    if (rank_of(comm) == 0) fmt::print("{}\n", text);
+    return success;
+  }
+
+  CLI::App app_;
+  CLI::App *run_, *check_, *info_, *schema_;
+  std::string case_, out_, path_, progress_ = "auto";
+  std::vector<std::string> sets_;
+  bool overwrite_ = false, table_ = false;
+};
+
+} // namespace
+
+int main(int argc, char** argv) {
+  const Arguments arguments = split(argc, argv);
+  const Session session(argc, argv, arguments.petsc);
+  const int rank = rank_of(MPI_COMM_WORLD);
+  try {
+    return CommandLine().execute(MPI_COMM_WORLD, arguments);
+  } catch (const InputError& e) { // thrown on all ranks alike
+    if (rank == 0) fmt::print(stderr, "taut: {}\n", e.what());
+    return input_error;
+  } catch (const std::exception& e) { // perhaps on this rank only: the others must not wait for it
+    fmt::print(stderr, "taut: rank {}: {}\n", rank, e.what());
+    MPI_Abort(MPI_COMM_WORLD, internal_error);
+  }
+}

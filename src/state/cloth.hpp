@@ -1,0 +1,51 @@
+#pragma once
+#include "partition/distributed_mesh.hpp"
+#include "src/config/case.hpp"
+
+namespace taut {
+
+/// What does not change during a run: the mesh and what the rest shape and the material make of it.
+struct Cloth {
+  DistributedMesh mesh;
+  config::Material material;
+  std::vector<double> measure;     ///< of local vertices: m^2 of cloth (m of line) that belong to each
+  std::vector<double> mass;        ///< kg, of local vertices, lumped
+  std::vector<double> rest_length; ///< m, of local edges
+};
+
+/// What changes: fields over [owned | ghosts], ghosts current.
+struct State {
+  double time = 0;                    ///< s
+  Global step = 0;                    ///< accepted steps so far
+  std::vector<Vec3> positions;        ///< m, of local vertices
+  std::vector<Vec3> velocities;       ///< m/s
+  std::vector<double> force_density;  ///< N/m, of local edges: the tension of an edge over its length
+};
+
+/// What a step proposes before it is accepted.
+struct Candidate {
+  std::vector<Vec3> velocities;
+  std::vector<double> force_density;
+};
+
+/// Derives masses and lengths. Collective.
+Cloth make_cloth(DistributedMesh mesh, const config::Material& material);
+
+/// |d| / l - 1 of an edge.
+inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Local edge) {
+  const auto& [a, b] = cloth.mesh.edge_vertices[edge];
+  return (positions[b] - positions[a]).norm() / cloth.rest_length[edge] - 1.0;
+}
+
+struct Strain {
+  double max = 0; ///< largest |strain| over all constrained edges
+  double rms = 0;
+};
+
+/// Measured on the edges themselves, over all ranks. Collective.
+Strain measure_strain(const Cloth& cloth, std::span<const Vec3> positions);
+
+/// How far the lowest vertex, in the direction `down`, is below the origin, in m. Collective.
+double lowest(const Cloth& cloth, std::span<const Vec3> positions, const Vec3& down);
+
+} // namespace taut

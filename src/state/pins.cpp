@@ -1,0 +1,121 @@
+#include "src/state/pins.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace taut {
+
+namespace {
+
+/// Rotations between two keyframes interpolate the angle if they turn about one axis, and the rotation vector if not.
+config::Keyframe between(const config::Keyframe& a, const config::Keyframe& b, double time) {
+  const double s = (time - a.time) / (b.time - a.time);
+  config::Keyframe k = b;
+  k.time = time;
+  k.translate = (1 - s) * a.translate + s * b.translate;
+  k.rotate.centre = (1 - s) * a.rotate.centre + s * b.rotate.centre;
+  const Vec3 turn = (1 - s) * a.rotate.angle * a.rotate.axis.normalized() +
+                    s * b.rotate.angle * b.rotate.axis.normalized();
+  k.rotate.angle = turn.norm();
+  if (k.rotate.angle > 0) k.rotate.axis = turn;
+  return k;
+}
+
+Vec3 apply(const config::Keyframe& k, const Vec3& start) {
+  const Eigen::AngleAxisd turn(k.rotate.angle, k.rotate.axis.normalized());
+  return k.rotate.centre + turn * (start - k.rotate.centre) + k.translate;
+}
+
+/// The owned vertex of the rank that is nearest to `point`; the lowest original number decides among equals. -1 on all
+/// other ranks.
+Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point) {
+  const IndexMap& map = cloth.mesh.vertices;
+  double best = std::numeric_limits<double>::infinity();
+  Local vertex = -1;
+  for (Local i = 0; i < map.owned; ++i) {
+    const double d = (start[i] - point).squaredNorm();
+    if (d < best || (d == best && map.original[i] < map.original[vertex])) {
+      best = d;
+      vertex = i;
+    }
+  }
+  const double least = -max_over(cloth.mesh.comm, -best);
+  const Global mine = vertex >= 0 && best == least ? -map.original[vertex] : std::numeric_limits<Global>::min();
+  return max_over(cloth.mesh.comm, mine) == mine && vertex >= 0 && best == least ? vertex : -1;
+}
+
+std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::span<const Vec3> start,
+                               const std::string& key) {
+  const IndexMap& map = cloth.mesh.vertices;
+  std::vector<Local> found;
+  if (pin.near) {
+    for (const Vec3& point : *pin.near)
+      if (const Local v = nearest(cloth, start, point); v >= 0) found.push_back(v);
+    return found;
+  }
+  std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
+  for (const Global v : wanted)
+    if (v < 0 || v >= map.total)
+      throw InputError(fmt::format("{}.vertices: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
+                                   v, map.total));
+  std::sort(wanted.begin(), wanted.end());
+  for (Local i = 0; i < map.owned; ++i) {
+    const bool inside = pin.box && (start[i].array() >= pin.box->min.array()).all() &&
+                        (start[i].array() <= pin.box->max.array()).all();
+    if (inside || std::binary_search(wanted.begin(), wanted.end(), map.original[i])) found.push_back(i);
+  }
+  if (sum_over(cloth.mesh.comm, Global(found.size())) == 0)
+    throw InputError(fmt::format("{}: no vertex of the cloth starts inside this box; `taut info` on a run, or on the "
+                                 "case, tells the extent of the cloth",
+                                 key));
+  return found;
+}
+
+} // namespace
+
+Vec3 place_at(const std::vector<config::Keyframe>& motion, const Vec3& start, double time) {
+  if (motion.empty()) return start;
+  const auto after = std::upper_bound(motion.begin(), motion.end(), time,
+                                      [](double t, const config::Keyframe& k) { return t < k.time; });
+  if (after == motion.begin()) return apply(motion.front(), start);
+  if (after == motion.end()) return apply(motion.back(), start);
+  return apply(between(after[-1], *after, time), start);
+}
+
+Pins::Pins(const Cloth& cloth, const std::vector<config::Pin>& pins, std::span<const Vec3> start) : pins_(pins) {
+  const IndexMap& map = cloth.mesh.vertices;
+  std::vector<int> pin_of(map.size(), -1);
+  std::optional<std::string> fault;
+  for (std::size_t k = 0; k < pins.size(); ++k)
+    for (const Local v : vertices_of(cloth, pins[k], start, fmt::format("pins[{}]", k))) {
+      if (pin_of[v] >= 0 && pin_of[v] != int(k) && !fault)
+        fault = fmt::format("pins[{}]: vertex {} is held by pins[{}] already; a vertex can belong to one pin only", k,
+                            map.original[v], pin_of[v]);
+      pin_of[v] = int(k);
+    }
+  agree(cloth.mesh.comm, fault);
+
+  cloth.mesh.vertex_halo.update(pin_of);
+  for (Local i = 0; i < map.size(); ++i)
+    if (pin_of[i] >= 0) held_.push_back({i, std::size_t(pin_of[i]), start[i]});
+  count_ = sum_over(cloth.mesh.comm, Global(std::count_if(pin_of.begin(), pin_of.begin() + map.owned,
+                                                          [](int pin) { return pin >= 0; })));
+  if (count_ == map.total)
+    throw InputError(fmt::format("pins: all {} vertices are pinned, so nothing is left to move; pin fewer", count_));
+}
+
+void Pins::prescribe(const State& state, double dt, std::vector<char>& prescribed,
+                     std::vector<Vec3>& velocities) const {
+  std::fill(prescribed.begin(), prescribed.end(), 0);
+  for (const Held& h : held_) {
+    const config::Pin& pin = pins_[h.pin];
+    if (pin.release && state.time >= *pin.release - 1e-9 * dt) continue;
+    prescribed[h.vertex] = 1;
+    velocities[h.vertex] = (place_at(pin.motion, h.start, state.time + dt) - state.positions[h.vertex]) / dt;
+  }
+}
+
+} // namespace taut

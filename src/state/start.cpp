@@ -1,0 +1,58 @@
+#include "src/state/start.hpp"
+
+#include "io/mesh_file.hpp"
+#include "io/obj.hpp"
+#include "partition/grid.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+namespace taut {
+
+namespace {
+
+MeshSlab load_mesh(MPI_Comm comm, const Case& input) {
+  const config::Cloth& cloth = input.cloth;
+  if (cloth.grid) return make_grid(comm, cloth.grid->size, cloth.grid->vertices);
+  if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
+  return read_mesh(comm, input.folder / *cloth.mesh, cloth.scale);
+}
+
+void check_inextensibility(const Case& input, const Topology& topology, const std::string& mesh) {
+  if (input.inextensibility.method == config::InextensibilityMethod::none || topology.constrained_edges > 0) return;
+  throw InputError(fmt::format("{}: no constraint is left: inextensibility acts along the edges of quads and lines, and "
+                               "this mesh has triangles only; use a mesh of quads, or inextensibility.method: none",
+                               mesh));
+}
+
+} // namespace
+
+Cloth load_cloth(MPI_Comm comm, const Case& input) {
+  const MeshSlab slab = load_mesh(comm, input);
+  const Topology topology = find_topology(comm, slab);
+  check_inextensibility(input, topology, slab.name);
+  const auto method =
+      input.partition.method == config::PartitionMethod::metis ? Partitioner::metis : Partitioner::stripes;
+  const auto owners = partition(comm, slab, topology, method);
+  return make_cloth(distribute(comm, slab, topology, owners), input.cloth.material);
+}
+
+State start_state(const Cloth& cloth, const Case& input) {
+  const DistributedMesh& mesh = cloth.mesh;
+  const config::Start& start = input.cloth.start;
+  State state;
+  state.positions = mesh.rest_positions;
+  if (start.shape) {
+    const auto rows =
+        read_obj_positions(mesh.comm, input.folder / *start.shape, input.cloth.scale, mesh.vertex_order.slab());
+    mesh.vertex_order.from_slab<Vec3>(rows, state.positions);
+    mesh.vertex_halo.update(state.positions);
+  }
+  const Eigen::AngleAxisd turn(start.rotate.angle, start.rotate.axis.normalized());
+  for (Vec3& x : state.positions) x = turn * x + start.translate;
+  state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
+  state.force_density.assign(mesh.edges.size(), 0.0);
+  return state;
+}
+
+} // namespace taut

@@ -1,0 +1,203 @@
+#include "src/time/frame_writer.hpp"
+
+#include "io/hdf5.hpp"
+#include "io/whole_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// What a face shows of its edges: the means over the sides along warp (0, 2) and along weft (1, 3).
+struct WarpWeft {
+  std::vector<double> warp, weft;
+};
+
+WarpWeft mean_over_sides(const std::vector<std::array<Local, 4>>& sides, const std::vector<double>& edge_values) {
+  const auto mean = [&](Local a, Local b) {
+    double sum = 0;
+    int count = 0;
+    for (const Local e : {a, b})
+      if (e >= 0) {
+        sum += edge_values[e];
+        ++count;
+      }
+    return count > 0 ? sum / count : 0.0;
+  };
+  WarpWeft result;
+  for (const auto& s : sides) {
+    result.warp.push_back(mean(s[0], s[2]));
+    result.weft.push_back(mean(s[1], s[3]));
+  }
+  return result;
+}
+
+Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
+  for (const EdgeEnd& end : mesh.star_of(a))
+    if (end.other == b) return end.edge;
+  return -1;
+}
+
+std::vector<std::array<Local, 4>> sides_of_owned_cells(const DistributedMesh& mesh) {
+  std::vector<std::array<Local, 4>> sides;
+  for (const Local c : mesh.owned_cells) {
+    const LocalCell& cell = mesh.cells[c];
+    const int n = cell.size();
+    auto& side = sides.emplace_back(std::array<Local, 4>{-1, -1, -1, -1});
+    for (int k = 0; k < (n == 2 ? 1 : n); ++k)
+      side[k] = edge_between(mesh, cell.vertices[k], cell.vertices[(k + 1) % n]);
+  }
+  return sides;
+}
+
+/// The cells of this rank's slab as XDMF's or HDF5's lists of vertices.
+struct CellLists {
+  std::vector<Global> vertices, offsets{0};
+};
+
+CellLists cells_in_order(const DistributedMesh& mesh) {
+  std::vector<std::array<Global, 4>> owned;
+  for (const Local c : mesh.owned_cells) {
+    auto& cell = owned.emplace_back(std::array<Global, 4>{-1, -1, -1, -1});
+    for (int k = 0; k < mesh.cells[c].size(); ++k) cell[k] = mesh.vertices.original[mesh.cells[c].vertices[k]];
+  }
+  CellLists lists;
+  for (const auto& cell : mesh.cell_order.to_slab<std::array<Global, 4>>(owned)) {
+    for (const Global v : cell)
+      if (v >= 0) lists.vertices.push_back(v);
+    lists.offsets.push_back(Global(lists.vertices.size()));
+  }
+  return lists;
+}
+
+/// Rows of a list whose lengths differ from rank to rank.
+Slab rows_of(MPI_Comm comm, std::size_t count) {
+  return {exclusive_sum(comm, Global(count)), Global(count), sum_over(comm, Global(count))};
+}
+
+XdmfCells shape_of(const DistributedMesh& mesh) {
+  Global smallest = 4, largest = 2;
+  for (const LocalCell& c : mesh.cells) {
+    smallest = std::min<Global>(smallest, c.size());
+    largest = std::max<Global>(largest, c.size());
+  }
+  smallest = -max_over(mesh.comm, -smallest);
+  largest = max_over(mesh.comm, largest);
+  if (smallest != largest) return XdmfCells::mixed;
+  return largest == 2 ? XdmfCells::lines : largest == 3 ? XdmfCells::triangles : XdmfCells::quads;
+}
+
+std::string frame_file(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
+
+} // namespace
+
+FrameWriter::FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder)
+    : cloth_(cloth), fields_(std::move(fields)), folder_(std::move(folder)),
+      sides_(sides_of_owned_cells(cloth.mesh)) {}
+
+bool FrameWriter::wants(config::Field field) const {
+  return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
+}
+
+void FrameWriter::at_start(const State& state) {
+  write_mesh();
+  write_frame(state, 0);
+}
+
+void FrameWriter::after_frame(const State& state, Global frame) { write_frame(state, frame); }
+
+void FrameWriter::write_mesh() {
+  const DistributedMesh& mesh = cloth_.mesh;
+  const CellLists cells = cells_in_order(mesh);
+  const Slab faces = mesh.cell_order.slab(), vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab();
+  const Slab corners = rows_of(mesh.comm, cells.vertices.size());
+  std::vector<Global> offsets(cells.offsets.begin(), cells.offsets.end() - 1);
+  const bool last = rank_of(mesh.comm) == size_of(mesh.comm) - 1;
+  if (last) offsets.push_back(cells.offsets.back());
+  for (Global& o : offsets) o += corners.first;
+
+  std::vector<std::array<Global, 2>> ends;
+  for (Local e = 0; e < mesh.edges.owned; ++e)
+    ends.push_back({mesh.vertices.original[mesh.edge_vertices[e][0]], mesh.vertices.original[mesh.edge_vertices[e][1]]});
+  ends = mesh.edge_order.to_slab<std::array<Global, 2>>(ends);
+
+  const bool mixed = shape_of(mesh) == XdmfCells::mixed;
+  Slab stream{};
+  write_whole(mesh.comm, folder_ / "mesh.h5", [&](H5Writer& file) {
+    file.write("/rest_positions", mesh.vertex_order.to_slab<Vec3>(mesh.rest_positions), vertices);
+    file.write<Global>("/faces", cells.vertices, 1, corners);
+    file.write<Global>("/face_offsets", offsets, 1, rows_of(mesh.comm, offsets.size()));
+    file.write<Global>("/constraints/edges", {ends.data()->data(), 2 * ends.size()}, 2, edges);
+    file.write<double>("/constraints/rest_lengths", mesh.edge_order.to_slab<double>(cloth_.rest_length), 1, edges);
+    if (wants(config::Field::owner_rank)) {
+      const std::vector<std::int32_t> rank(mesh.vertices.owned, rank_of(mesh.comm));
+      file.write<std::int32_t>("/owner_rank", mesh.vertex_order.to_slab<std::int32_t>(rank), 1, vertices);
+    }
+    if (mixed) {
+      const auto numbers = xdmf_mixed_cells(cells.vertices, cells.offsets);
+      stream = rows_of(mesh.comm, numbers.size());
+      file.write<Global>("/xdmf_cells", numbers, 1, stream);
+    }
+    file.attribute("faces", faces.total);
+  });
+  describe(mixed);
+  cells_.cells_length = mixed ? stream.total : corners.total;
+}
+
+void FrameWriter::describe(bool has_mixed_cells) {
+  using enum config::Field;
+  const DistributedMesh& mesh = cloth_.mesh;
+  cells_.points = edges_.points = mesh.vertices.total;
+  cells_.shape = shape_of(mesh);
+  cells_.cells = mesh.total_cells;
+  cells_.cells_dataset = has_mixed_cells ? "/xdmf_cells" : "/faces";
+  edges_.shape = XdmfCells::lines;
+  edges_.cells = mesh.edges.total;
+  edges_.cells_length = 2 * mesh.edges.total;
+  edges_.cells_dataset = "/constraints/edges";
+  if (wants(velocity)) cells_.fields.push_back({"velocity", "/velocities", XdmfCentre::point, 3});
+  if (wants(owner_rank))
+    cells_.fields.push_back(
+        {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
+  for (const auto& [field, name] : {std::pair{strain, "strain"}, std::pair{tension, "tension"}}) {
+    if (!wants(field)) continue;
+    edges_.fields.push_back({name, fmt::format("/{}", name), XdmfCentre::cell});
+    for (const char* direction : {"warp", "weft"})
+      cells_.fields.push_back(
+          {fmt::format("{}_{}", name, direction), fmt::format("/cells/{}_{}", name, direction), XdmfCentre::cell});
+  }
+}
+
+void FrameWriter::write_frame(const State& state, Global frame) {
+  using enum config::Field;
+  const double begin = MPI_Wtime();
+  const DistributedMesh& mesh = cloth_.mesh;
+  const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(), faces = mesh.cell_order.slab();
+  std::vector<double> strains, tensions;
+  for (Local e = 0; e < mesh.edges.size(); ++e) {
+    strains.push_back(strain_of(cloth_, state.positions, e));
+    tensions.push_back(state.force_density[e] * cloth_.rest_length[e] * (1.0 + strains.back()));
+  }
+  const auto write_edge_field = [&](H5Writer& file, const char* name, const std::vector<double>& values) {
+    const WarpWeft on_cells = mean_over_sides(sides_, values);
+    file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
+    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1, faces);
+    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1, faces);
+  };
+  write_whole(mesh.comm, folder_ / frame_file(frame), [&](H5Writer& file) {
+    file.attribute("time", state.time);
+    file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
+    if (wants(velocity)) file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
+    if (wants(strain)) write_edge_field(file, "strain", strains);
+    if (wants(tension)) write_edge_field(file, "tension", tensions);
+  });
+  for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, frame_file(frame)});
+  write_text_whole(mesh.comm, folder_ / "frames.xdmf", xdmf(cells_));
+  if (mesh.edges.total > 0) write_text_whole(mesh.comm, folder_ / "edges.xdmf", xdmf(edges_));
+  seconds_ += MPI_Wtime() - begin;
+}
+
+} // namespace taut

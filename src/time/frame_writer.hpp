@@ -1,0 +1,36 @@
+#pragma once
+#include "io/xdmf.hpp"
+#include "src/time/observer.hpp"
+
+#include <filesystem>
+
+namespace taut {
+
+/// Writes what ParaView shows: `mesh.h5`, `frames/frame_NNNNNN.h5`, `frames.xdmf` (cells) and `edges.xdmf` (constrained
+/// edges), everything in input order. Each file appears whole; the XDMF files are rewritten after every frame.
+class FrameWriter : public Observer {
+ public:
+  /// `cloth` must outlive the writer; `folder` exists. Collective.
+  FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder);
+
+  void at_start(const State& state) override;
+  void after_frame(const State& state, Global frame) override;
+
+  Global frames() const { return Global(cells_.frames.size()); }
+  double seconds() const { return seconds_; }
+
+ private:
+  void write_mesh();
+  void write_frame(const State& state, Global frame);
+  void describe(bool has_mixed_cells);
+  bool wants(config::Field field) const;
+
+  const Cloth& cloth_;
+  std::vector<config::Field> fields_;
+  std::filesystem::path folder_;
+  std::vector<std::array<Local, 4>> sides_; ///< of owned cells: the constrained edge on each side, -1 for none
+  XdmfDescription cells_, edges_;
+  double seconds_ = 0;
+};
+
+} // namespace taut

@@ -1,0 +1,31 @@
+#include "src/time/implicit_euler.hpp"
+
+namespace taut {
+
+namespace {
+
+SolverOptions solver_options(const config::Velocity& options) {
+  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps : SolverOptions::Kind::cg,
+          options.max_iterations};
+}
+
+} // namespace
+
+ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
+                             const config::Velocity& options)
+    : cloth_(cloth), forces_(forces), tolerance_(options.tolerance), step_(pattern, cloth.mesh.vertices.size()),
+      solver_(cloth.mesh, pattern, solver_options(options)) {}
+
+SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<const char> prescribed,
+                                   std::vector<Vec3>& velocities) {
+  step_.start(dt);
+  const double damping = cloth_.material.damping.mass;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    step_.add_inertia(i, cloth_.mass[i], start.velocities[i]);
+    step_.add_damping(i, damping * cloth_.mass[i]);
+  }
+  for (const auto& force : forces_) force->add_to(step_, start);
+  return solver_.solve(step_.matrix(), step_.rhs(), prescribed, tolerance_, velocities);
+}
+
+} // namespace taut

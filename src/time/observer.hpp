@@ -1,0 +1,44 @@
+#pragma once
+#include "src/state/cloth.hpp"
+
+#include <string>
+#include <vector>
+
+namespace taut {
+
+/// Wall-clock seconds of the phases of a step, or of a run.
+struct PhaseSeconds {
+  double velocity = 0;
+  double projection = 0;
+};
+
+/// Joules, over all ranks. `potential` in the order of the forces of the run.
+struct Energies {
+  double kinetic = 0;
+  std::vector<double> potential;
+};
+
+/// What an accepted step was like.
+struct StepRecord {
+  double dt = 0;               ///< s
+  int rejected = 0;            ///< attempts thrown away before this one
+  int velocity_iterations = 0; ///< of the velocity's linear solver
+  int iterations = 0;          ///< of the projection
+  int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
+  Strain strain;
+  double depth = 0;            ///< m the lowest point has come down since the start
+  Energies energies;
+  PhaseSeconds seconds;
+};
+
+/// Watches a run. Observers never change it. All calls are collective.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void at_start(const State&) {}
+  virtual void after_step(const State&, const StepRecord&) {}
+  /// After the last step of frame `frame` (from 1), a frame being 1 / frame_rate of simulated time.
+  virtual void after_frame(const State&, Global /*frame*/) {}
+};
+
+} // namespace taut

@@ -1,0 +1,39 @@
+#pragma once
+#include "src/time/observer.hpp"
+
+#include <string>
+
+namespace taut {
+
+enum class ProgressStyle {
+  lines, ///< one line a frame
+  bar,   ///< one line a frame, and a bar that moves with the steps; for terminals
+};
+
+/// Tells how a run goes on, on rank 0's standard output.
+class Progress : public Observer {
+ public:
+  Progress(MPI_Comm comm, ProgressStyle style, Global frames, double end_time);
+
+  void after_step(const State& state, const StepRecord& record) override;
+  void after_frame(const State& state, Global frame) override;
+
+ private:
+  void draw_bar(const State& state) const;
+  double seconds_left(const State& state) const;
+
+  bool speaks_;
+  ProgressStyle style_;
+  Global frames_;
+  double end_time_;
+  double began_, frame_began_;
+  struct {
+    int steps = 0, rejected = 0, iterations = 0, linear_iterations = 0, velocity_iterations = 0;
+    double strain = 0;
+  } frame_;
+};
+
+/// "4 s", "2 min 05 s", "3 h 12 min"
+std::string in_words(double seconds);
+
+} // namespace taut

@@ -1,0 +1,143 @@
+#include "src/time/simulation.hpp"
+
+#include "src/filters/fast_projection.hpp"
+#include "src/forces/air_drag.hpp"
+#include "src/forces/bending.hpp"
+#include "src/forces/carried_tension.hpp"
+#include "src/forces/gravity.hpp"
+#include "src/forces/shear.hpp"
+#include "src/state/start.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace taut {
+
+namespace {
+
+Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input) {
+  const config::Material& material = cloth.material;
+  Forces forces;
+  forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
+  forces.push_back(std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
+  forces.push_back(std::make_unique<QuadShear>(cloth, pattern, material.shear, material.damping.stiffness));
+  if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
+  if (input.inextensibility.carried_tension && input.inextensibility.method != config::InextensibilityMethod::none)
+    forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
+  return forces;
+}
+
+std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Case& input) {
+  std::vector<std::unique_ptr<VelocityFilter>> filters;
+  if (input.inextensibility.method == config::InextensibilityMethod::fast_projection)
+    filters.push_back(std::make_unique<FastProjection>(cloth, input.inextensibility));
+  return filters;
+}
+
+/// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const double now = MPI_Wtime(), lap = now - last_;
+    last_ = now;
+    return lap;
+  }
+
+ private:
+  double last_ = MPI_Wtime();
+};
+
+} // namespace
+
+Simulation::Simulation(MPI_Comm comm, const Case& input)
+    : comm_(comm), inextensibility_(input.inextensibility),
+      down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
+      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)), pins_(cloth_, input.pins, state_.positions),
+      pattern_(cloth_.mesh), forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
+      integrator_(cloth_, pattern_, forces_, input.velocity), step_size_(input.time),
+      end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
+      start_depth_(lowest(cloth_, state_.positions, down_)) {}
+
+Outcome Simulation::run(std::span<Observer* const> observers) {
+  Outcome outcome;
+  for (Observer* o : observers) o->at_start(state_);
+  int rejected = 0; // since the last accepted step
+  for (Global frame = 1; frame <= step_size_.frames();) {
+    const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
+    auto [record, failure] = attempt(dt);
+    if (!failure.empty()) {
+      ++outcome.rejected_steps;
+      ++rejected;
+      step_size_.rejected(dt);
+      if (!step_size_.exhausted()) continue;
+      outcome.reason = fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}", state_.time, dt,
+                                   failure);
+      return outcome;
+    }
+    step_size_.accepted();
+    accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt);
+    record.rejected = std::exchange(rejected, 0);
+    measure(record);
+    for (Observer* o : observers) o->after_step(state_, record);
+    if (!ends_frame) continue;
+    for (Observer* o : observers) o->after_frame(state_, frame);
+    ++frame;
+  }
+  outcome.completed = true;
+  return outcome;
+}
+
+void Simulation::rehearse() { attempt(step_size_.choose(state_.time, 1).dt); }
+
+/// Proposes the state after `dt` in `candidate_` and `end_positions_`; the present state stays as it is.
+Simulation::Attempt Simulation::attempt(double dt) {
+  Attempt attempt;
+  StepRecord& record = attempt.record;
+  record.dt = dt;
+  Stopwatch watch;
+  candidate_.velocities = state_.velocities;
+  candidate_.force_density = state_.force_density;
+  pins_.prescribe(state_, dt, prescribed_, candidate_.velocities);
+  const SolveReport predicted = integrator_.predict(state_, dt, prescribed_, candidate_.velocities);
+  record.velocity_iterations = predicted.iterations;
+  record.seconds.velocity = watch.lap();
+  if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
+
+  for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
+    const FilterReport filtered = filters_[k]->apply(state_, dt, prescribed_, candidate_);
+    record.iterations += filtered.iterations;
+    record.linear_iterations += filtered.linear_iterations;
+    attempt.failure = filtered.failure;
+  }
+  for (std::size_t i = 0; i < end_positions_.size(); ++i)
+    end_positions_[i] = state_.positions[i] + dt * candidate_.velocities[i];
+  record.strain = measure_strain(cloth_, end_positions_);
+  record.seconds.projection = watch.lap();
+
+  const bool limited = inextensibility_.method != config::InextensibilityMethod::none;
+  if (attempt.failure.empty() && limited && !(record.strain.max <= inextensibility_.strain))
+    attempt.failure = fmt::format("the measured strain is {:.3g}, over the limit {:g}", record.strain.max,
+                                  inextensibility_.strain);
+  return attempt;
+}
+
+void Simulation::accept(double time) {
+  std::swap(state_.positions, end_positions_);
+  std::swap(state_.velocities, candidate_.velocities);
+  std::swap(state_.force_density, candidate_.force_density);
+  state_.time = time;
+  ++state_.step;
+}
+
+void Simulation::measure(StepRecord& record) const {
+  std::vector<double> sums(1 + forces_.size(), 0.0);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
+  for (std::size_t k = 0; k < forces_.size(); ++k) sums[1 + k] = forces_[k]->energy(state_);
+  sum_in_place(comm_, sums);
+  record.energies = {sums[0], {sums.begin() + 1, sums.end()}};
+  record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
+}
+
+} // namespace taut

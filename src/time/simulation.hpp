@@ -1,0 +1,60 @@
+#pragma once
+#include "src/filters/velocity_filter.hpp"
+#include "src/time/implicit_euler.hpp"
+#include "src/time/observer.hpp"
+#include "src/time/step_size.hpp"
+
+namespace taut {
+
+struct Outcome {
+  bool completed = false;
+  std::string reason;      ///< why not
+  Global rejected_steps = 0;
+};
+
+/// A case in motion: prediction by implicit Euler, then the filters, then acceptance by measurement.
+class Simulation {
+ public:
+  /// Sets everything up; throws InputError for what is wrong with the case. Collective.
+  Simulation(MPI_Comm comm, const Case& input);
+
+  /// Until the end time, or until a step would have to be smaller than `time.min_step`. Collective.
+  Outcome run(std::span<Observer* const> observers);
+
+  /// One step from the present state, thrown away: the linear solvers are set up and have read all their options.
+  /// Collective.
+  void rehearse();
+
+  const Cloth& cloth() const { return cloth_; }
+  const State& state() const { return state_; }
+  const Pins& pins() const { return pins_; }
+  const Forces& forces() const { return forces_; }
+  const StepSize& step_size() const { return step_size_; }
+
+ private:
+  struct Attempt {
+    StepRecord record;
+    std::string failure; ///< empty if the step can be accepted
+  };
+  Attempt attempt(double dt);
+  void accept(double time);
+  void measure(StepRecord& record) const;
+
+  MPI_Comm comm_;
+  config::Inextensibility inextensibility_;
+  Vec3 down_;
+  Cloth cloth_;
+  State state_;
+  Pins pins_;
+  Pattern pattern_;
+  Forces forces_;
+  std::vector<std::unique_ptr<VelocityFilter>> filters_;
+  ImplicitEuler integrator_;
+  StepSize step_size_;
+  Candidate candidate_;
+  std::vector<Vec3> end_positions_;
+  std::vector<char> prescribed_;
+  double start_depth_ = 0;
+};
+
+} // namespace taut

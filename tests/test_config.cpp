@@ -1,0 +1,449 @@
+#include "src/config/case.hpp"
+#include "src/config/fabrics.hpp"
+#include "src/config/units.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
+#include <sstream>
+
+using namespace taut;
+using config::Field;
+using config::LinearSolver;
+
+namespace {
+
+const std::string file = "cases/x/case.yaml";
+const std::string grid = "cloth: {grid: {size: [1, 1], vertices: [3, 3]}}\n";
+
+Case read(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return read_case(text, file, overrides);
+}
+
+/// The message that reading `text` ends with.
+std::string error(const std::string& text, const std::vector<Override>& overrides = {}) {
+  try {
+    read(text, overrides);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+/// The message for `rest` that follows a valid cloth on line 1.
+std::string error_after_cloth(const std::string& rest) { return error(grid + rest); }
+
+std::string at(const std::string& place, const std::string& message) {
+  return file + ":" + place + ": " + message;
+}
+
+const std::string everything = R"(
+name: full
+cloth:
+  mesh: meshes/shirt one.obj
+  scale: 0.001
+  start:
+    shape: start.obj
+    rotate: {axis: [0, 1, 1], angle: 90 deg}
+    translate: [10 cm, 0, 1e-3]
+  fabric: denim
+  material: {bending: 30 uN m, damping: {mass: 0.1 Hz, stiffness: 2 ms}}
+pins:
+  - vertices: [0, 4, 12345678901]
+    release: 0.1
+  - box: {min: [-1, -1, -1], max: [1, 1, 0.30000000000000004]}
+    motion:
+      - {time: 0}
+      - {time: 1, translate: [0, 0, 0.1], rotate: {axis: [0, 0, 1], angle: 1 rad, centre: [0.5, 0, 0]}}
+  - near: [[0, 0, 0], [1 m, 0, 0]]
+gravity: [0, 0, -1.62]
+air: {wind: [20 km/h, 0, 0], drag: 0.5, gust: {speed: 1, length: 2, period: 3}}
+time: {end: 2 min, frame_rate: 25 Hz, max_step: 3 ms, min_step: 1 us}
+velocity: {solver: mumps, tolerance: 1e-8, max_iterations: 7}
+inextensibility: {method: none, strain: 1 %, solver: mumps, max_iterations: 3, carried_tension: false, compliance: 0.1}
+partition: {method: stripes}
+output: {fields: [tension, position]}
+)";
+
+} // namespace
+
+TEST(Config, DefaultsAreThoseOfTheStructs) {
+  const Case input = read(grid);
+  Case expected;
+  expected.name = std::string("x");
+  expected.folder = "cases/x";
+  expected.cloth.grid = config::Grid{.size = {1, 1}, .vertices = {3, 3}};
+  EXPECT_EQ(input, expected);
+}
+
+TEST(Config, NameComesFromTheFolder) {
+  EXPECT_EQ(read_case(grid, "cases/drape/case.yaml").name, "drape");
+  EXPECT_EQ(read_case(grid, "drape.yaml").name, "drape");
+  EXPECT_EQ(read_case(grid, "./drape.yaml").name, "drape");
+  EXPECT_EQ(read_case(grid + "name: other", "cases/drape/case.yaml").name, "other");
+}
+
+TEST(Config, ReadsEveryKey) {
+  const Case c = read(everything);
+  EXPECT_EQ(c.cloth.mesh, "meshes/shirt one.obj");
+  EXPECT_EQ(c.cloth.start.shape, "start.obj");
+  EXPECT_EQ(c.cloth.start.rotate.angle, std::numbers::pi / 2);
+  EXPECT_EQ(c.cloth.start.translate, Vec3(0.1, 0, 1e-3));
+  EXPECT_EQ(c.cloth.material.damping.mass, 0.1);
+  EXPECT_EQ(c.cloth.material.damping.stiffness, 0.002);
+  ASSERT_EQ(c.pins.size(), 3u);
+  EXPECT_EQ(c.pins[0].vertices, (std::vector<Global>{0, 4, 12345678901}));
+  EXPECT_EQ(c.pins[0].release, 0.1);
+  EXPECT_EQ(c.pins[1].box->max, Vec3(1, 1, 0.30000000000000004));
+  ASSERT_EQ(c.pins[1].motion.size(), 2u);
+  EXPECT_EQ(c.pins[1].motion[1].rotate.centre, Vec3(0.5, 0, 0));
+  EXPECT_EQ(c.pins[2].near->at(1), Vec3(1, 0, 0));
+  EXPECT_EQ(c.gravity, Vec3(0, 0, -1.62));
+  EXPECT_DOUBLE_EQ(c.air->wind.x(), 20 / 3.6);
+  EXPECT_EQ(c.air->gust, (config::Gust{1, 2, 3}));
+  EXPECT_EQ(c.time, (config::Time{120, 25, 0.003, 1e-6}));
+  EXPECT_EQ(c.velocity, (config::Velocity{LinearSolver::mumps, 1e-8, 7}));
+  EXPECT_EQ(c.inextensibility.strain, 0.01);
+  EXPECT_FALSE(c.inextensibility.carried_tension);
+  EXPECT_EQ(c.partition.method, config::PartitionMethod::stripes);
+  EXPECT_EQ(c.output.fields, (std::vector<Field>{Field::tension, Field::position}));
+}
+
+TEST(Config, Quantities) {
+  const auto end = [](const std::string& text) { return read(grid + "time: {end: " + text + "}").time.end; };
+  EXPECT_EQ(end("250ms"), 0.25);
+  EXPECT_EQ(end("'  2  s '"), 2);
+  EXPECT_EQ(end("+1.5e1"), 15);
+  const Case line = read("cloth: {line: {length: 50 cm, vertices: 9}, material: {density: 3 g/m}}");
+  EXPECT_EQ(line.cloth.line, (config::Line{0.5, 9}));
+  EXPECT_EQ(line.cloth.material.density, 0.003);
+}
+
+TEST(Config, FabricFillsTheMaterialAndItsKeysWin) {
+  const config::Fabric& denim = *config::find_fabric("denim");
+  const std::string cloth = "cloth: {grid: {size: [1, 1], vertices: [3, 3]}, ";
+  const Case plain = read(cloth + "fabric: denim}");
+  EXPECT_EQ(plain.cloth.fabric, "denim");
+  EXPECT_EQ(plain.cloth.material.density, denim.density);
+  EXPECT_EQ(plain.cloth.material.bending, denim.bending);
+  EXPECT_EQ(plain.cloth.material.shear, denim.shear);
+  // The material may stand before the fabric.
+  const Case mixed = read(cloth + "material: {density: 100 g/m^2}, fabric: denim}");
+  EXPECT_EQ(mixed.cloth.material.density, 0.1);
+  EXPECT_EQ(mixed.cloth.material.bending, denim.bending);
+  EXPECT_EQ(read(grid, {{"cloth.fabric", "silk"}}).cloth.material.density, 0.083);
+}
+
+TEST(Config, FabricsAreCloth) {
+  std::set<std::string_view> names;
+  for (const config::Fabric& f : config::fabrics()) {
+    EXPECT_TRUE(names.insert(f.name).second) << f.name;
+    EXPECT_TRUE(f.density > 0.01 && f.density < 1) << f.name;
+    EXPECT_TRUE(f.bending > 1e-7 && f.bending < 1e-3) << f.name;
+    EXPECT_TRUE(f.shear > 1 && f.shear < 1000) << f.name;
+    EXPECT_FALSE(f.source.empty()) << f.name;
+  }
+  EXPECT_NEAR(config::find_fabric("cotton")->density, 0.1503, 1e-6);
+  EXPECT_NEAR(config::find_fabric("denim")->bending, 78.18e-6, 0.01e-6);
+}
+
+// Writing.
+
+TEST(Config, RoundTrip) {
+  for (const std::string& text : {grid, everything}) {
+    const Case once = read(text);
+    const std::string written = write_case(once);
+    EXPECT_EQ(read(written), once) << written;
+    EXPECT_EQ(write_case(read(written)), written);
+  }
+}
+
+TEST(Config, RoundTripOfNumbersAndNames) {
+  Case c = read(grid);
+  c.name = "no: #'yes' \"null\" ~ \xc3\xa4";
+  c.time.end = 0.1 + 0.2;
+  c.gravity = Vec3(-0.0, 5e-324, -1.7976931348623157e308);
+  c.air.emplace();
+  EXPECT_EQ(read(write_case(c)), c);
+  EXPECT_NE(write_case(c).find("end: 0.30000000000000004"), std::string::npos);
+  EXPECT_NE(write_case(c).find("max_step: 0.01 "), std::string::npos);
+  for (const std::string name : {"null", "~", "true", "12", "- a", "a: b", "[", " x "}) {
+    c.name = name;
+    EXPECT_EQ(read(write_case(c)).name, name);
+  }
+}
+
+// Schema and table.
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Every key of the YAML-like `value` stands in `schema`.
+void expect_described(const Json& schema, const std::string& yaml) {
+  std::vector<std::pair<std::size_t, const Json*>> open{{0, &schema}}; // indent, schema of that block
+  std::istringstream lines(yaml);
+  for (std::string line; std::getline(lines, line);) {
+    const bool item = line.find("- ") != std::string::npos;
+    const std::size_t indent = line.find_first_not_of(" -");
+    const std::string key = line.substr(indent, line.find(':') - indent);
+    while (open.back().first > indent) open.pop_back();
+    if (open.back().first < indent || (item && open.size() > 1 && open.back().first < indent)) FAIL() << line;
+    const Json& properties = open.back().second->at("properties");
+    ASSERT_TRUE(properties.contains(key)) << line;
+    const Json& found = properties.at(key);
+    ASSERT_FALSE(found.at("description").get<std::string>().empty());
+    if (found.contains("properties"))
+      open.emplace_back(indent + 2, &found);
+    else if (found.contains("items") && found["items"].contains("properties") && line.find("[]") == line.npos)
+      open.emplace_back(indent + 4, &found["items"]);
+  }
+}
+
+} // namespace
+
+TEST(Config, SchemaDescribesEveryKeyWritten) {
+  const Json schema = Json::parse(case_schema());
+  EXPECT_EQ(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+  expect_described(schema, write_case(read(everything)));
+  Case c = read(grid);
+  c.air.emplace();
+  expect_described(schema, write_case(c));
+}
+
+TEST(Config, SchemaSaysWhatIsAllowed) {
+  const Json schema = Json::parse(case_schema());
+  EXPECT_EQ(schema["additionalProperties"], false);
+  EXPECT_EQ(schema["required"], Json({"cloth"}));
+  const Json& step = schema["properties"]["time"]["properties"]["max_step"];
+  EXPECT_EQ(step, Json::parse(R"({"description": "longest time step", "type": ["number", "string"],
+                                 "exclusiveMinimum": 0, "x-unit": "s", "default": 0.01})"));
+  const Json& cloth = schema["properties"]["cloth"];
+  EXPECT_EQ(cloth["oneOf"].size(), 3u);
+  EXPECT_EQ(cloth["additionalProperties"], false);
+  EXPECT_EQ(cloth["properties"]["grid"]["required"], Json({"size", "vertices"}));
+  EXPECT_EQ(cloth["properties"]["fabric"]["enum"], Json(config::fabric_names()));
+  EXPECT_EQ(schema["properties"]["velocity"]["properties"]["solver"]["enum"], Json({"cg", "mumps"}));
+  const Json& tolerance = schema["properties"]["velocity"]["properties"]["tolerance"];
+  EXPECT_EQ(tolerance["exclusiveMaximum"], 1);
+}
+
+TEST(Config, Table) {
+  const std::string table = case_table();
+  for (const std::string row :
+       {"| `time.max_step` | number > 0 | s | `0.01` | longest time step |",
+        "| `cloth.grid.vertices` | 2 integers >= 2 |  | required |",
+        "| `pins[].vertices` | list of integers >= 0 |  | exactly one of these |",
+        "| `pins[].near` | list of 3 numbers | m |",
+        "| `pins[].motion[].time` | number >= 0 | s | required |",
+        "| `gravity` | 3 numbers | m/s^2 | `[0,0,-9.81]` |",
+        "| `velocity.solver` | `cg`, `mumps` |  | `\"cg\"` |", "| `air` | block |  | vacuum |"})
+    EXPECT_NE(table.find(row), std::string::npos) << row << "\n" << table;
+}
+
+// Errors.
+
+TEST(ConfigError, UnknownKey) {
+  EXPECT_EQ(error_after_cloth("gravty: [0, 0, 0]"),
+            at("2:1", "unknown key 'gravty' (did you mean 'gravity'?)"));
+  EXPECT_EQ(error_after_cloth("time:\n  ned: 1"), at("3:3", "unknown key 'ned' (did you mean 'end'?)"));
+  EXPECT_EQ(error_after_cloth("air: {colour: red}"),
+            at("2:7", "unknown key 'colour' (known here: wind, density, drag, gust)"));
+  // A misspelt key is named before the one that it leaves missing.
+  EXPECT_EQ(error("cloth: {line: {lenght: 1, vertices: 3}}"),
+            at("1:16", "unknown key 'lenght' (did you mean 'length'?)"));
+}
+
+TEST(ConfigError, WrongUnit) {
+  EXPECT_EQ(
+      error_after_cloth("time: {max_step: 5 mm}"),
+      at("2:18", "time.max_step: 'mm' is not a unit of time; write seconds as a number, or e.g. '10 ms'"));
+  EXPECT_EQ(
+      error_after_cloth("velocity: {tolerance: 1 s}"),
+      at("2:23", "velocity.tolerance: 's' is not a unit of a ratio; write it as a number, or e.g. '1 %'"));
+}
+
+TEST(ConfigError, WrongType) {
+  EXPECT_EQ(error_after_cloth("time: {end: [1]}"),
+            at("2:13", "time.end: expected a number in seconds, or e.g. '10 ms', found a list of 1"));
+  EXPECT_EQ(error_after_cloth("time: {end: soon}"),
+            at("2:13", "time.end: expected a number in seconds, or e.g. '10 ms', found 'soon'"));
+  EXPECT_EQ(error_after_cloth("time: {end: }"),
+            at("2:8", "time.end: expected a number in seconds, or e.g. '10 ms', found nothing"));
+  EXPECT_EQ(error_after_cloth("velocity: {tolerance: small}"),
+            at("2:23", "velocity.tolerance: expected a number, e.g. 0.5, found 'small'"));
+  EXPECT_EQ(error_after_cloth("velocity: {max_iterations: 2.5}"),
+            at("2:28", "velocity.max_iterations: expected a whole number, e.g. 10, found '2.5'"));
+  EXPECT_EQ(error_after_cloth("inextensibility: {carried_tension: yes}"),
+            at("2:36", "inextensibility.carried_tension: expected true or false, found 'yes'"));
+  EXPECT_EQ(error_after_cloth("gravity: -9.81"),
+            at("2:10", "gravity: expected a list of 3 numbers, e.g. [0, 0, 1], found '-9.81'"));
+  EXPECT_EQ(error_after_cloth("gravity: [0, -9.81]"),
+            at("2:10", "gravity: expected a list of 3 numbers, e.g. [0, 0, 1], found a list of 2"));
+  EXPECT_EQ(error_after_cloth("name: [a]"), at("2:7", "name: expected a text, found a list of 1"));
+  EXPECT_EQ(error("cloth: {mesh: {}}"),
+            at("1:15", "cloth.mesh: expected the path of a file, e.g. shirt.obj, found a block of keys"));
+  EXPECT_EQ(error_after_cloth("pins: {near: [[0, 0, 0]]}"),
+            at("2:7", "pins: expected a list in [ ], or lines that begin with '- ', found a block of keys"));
+  EXPECT_EQ(error_after_cloth("partition: metis"),
+            at("2:12", "partition: expected a block of keys (method), found 'metis'"));
+  EXPECT_EQ(error_after_cloth("air:\ntime: {}"),
+            at("2:1", "air: expected a block of keys, found nothing; write {} for its defaults"));
+  EXPECT_EQ(error_after_cloth("velocity: {solver: [cg]}"),
+            at("2:20", "velocity.solver: expected one of cg, mumps, found a list of 1"));
+}
+
+TEST(ConfigError, OutOfRange) {
+  EXPECT_EQ(error_after_cloth("time: {end: -1 s}"),
+            at("2:13", "time.end: -1 s is out of range; it must be above 0"));
+  EXPECT_EQ(error_after_cloth("velocity: {tolerance: 1}"),
+            at("2:23", "velocity.tolerance: 1 is out of range; it must be above 0 and below 1"));
+  EXPECT_EQ(error("cloth: {grid: {size: [1, 0], vertices: [3, 3]}}"),
+            at("1:26", "cloth.grid.size.1: 0 is out of range; it must be above 0"));
+  EXPECT_EQ(error("cloth: {grid: {size: [1, 1], vertices: [3, 1]}}"),
+            at("1:44", "cloth.grid.vertices.1: 1 is out of range; it must be at least 2"));
+  EXPECT_EQ(error_after_cloth("pins:\n  - vertices: [0, -1]"),
+            at("3:19", "pins.0.vertices.1: -1 is out of range; it must be at least 0"));
+  EXPECT_EQ(error_after_cloth("velocity: {max_iterations: 3000000000}"),
+            at("2:28", "velocity.max_iterations: 3000000000 is out of range; it must be at most 2147483647"));
+}
+
+TEST(ConfigError, NotFinite) {
+  for (const std::string word : {".inf", "-.inf", ".nan", ".NaN", "nan", "inf", "-Infinity"})
+    EXPECT_EQ(error_after_cloth("time: {end: " + word + "}"),
+              at("2:13", "time.end: " + word + " is not a finite number; write a finite one"));
+  EXPECT_EQ(error_after_cloth("time: {end: 1e400}"),
+            at("2:13", "time.end: 1e400 is beyond what a number can hold (about 1e-308 to 1e308)"));
+  EXPECT_EQ(error_after_cloth("time: {end: 1e308 min}"),
+            at("2:13", "time.end: 1e308 min is not a finite number; write a finite one"));
+  EXPECT_EQ(error_after_cloth("time: {end: infinite}"),
+            at("2:13", "time.end: expected a number in seconds, or e.g. '10 ms', found 'infinite'"));
+}
+
+TEST(ConfigError, UnknownWord) {
+  EXPECT_EQ(
+      error_after_cloth("velocity: {solver: mump}"),
+      at("2:20", "velocity.solver: unknown word 'mump' (did you mean 'mumps'?); choose one of cg, mumps"));
+  EXPECT_EQ(error_after_cloth("partition: {method: random}"),
+            at("2:21", "partition.method: unknown word 'random'; choose one of metis, stripes"));
+  EXPECT_EQ(error_after_cloth("output: {fields: [strain, tensoin]}"),
+            at("2:27", "output.fields.1: unknown word 'tensoin' (did you mean 'tension'?); choose one of "
+                       "position, velocity, owner_rank, strain, tension"));
+  EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 2}, fabric: denin}"),
+            at("1:49",
+               "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of cotton, wool, "
+               "silk, canvas, denim, polyester, polycotton, interlock, ponte"));
+}
+
+TEST(ConfigError, NotYaml) {
+  EXPECT_EQ(error("cloth: [1, 2\n"), at("2:1", "not YAML: end of sequence flow not found; check indentation, "
+                                               "colons, brackets and quotes here"));
+  EXPECT_EQ(error("a: b: c\n"),
+            at("1:5", "not YAML: illegal map value; check indentation, colons, brackets and quotes here"));
+  EXPECT_EQ(error("? [a]\n: 1\n"), at("1:3", "a key must be a word"));
+  EXPECT_EQ(error("a: &x [*x]\n"), at("1:4", "nested too deep; a case has few levels"));
+  EXPECT_EQ(error(grid + "---\n" + grid), at("3:1", "a second document starts here; a case is only one"));
+}
+
+TEST(ConfigError, EmptyOrNotAMap) {
+  const std::string empty = at("1:1", "the case is empty; give at least 'cloth'");
+  EXPECT_EQ(error(""), empty);
+  EXPECT_EQ(error("# only this\n"), empty);
+  EXPECT_EQ(error("- a\n"), at("1:1", "expected keys such as 'cloth:', found a list of 1"));
+  EXPECT_EQ(error("hello"), at("1:1", "expected keys such as 'cloth:', found 'hello'"));
+}
+
+TEST(ConfigError, MissingKey) {
+  EXPECT_EQ(error("name: a\n"),
+            at("1:1", "missing key 'cloth' (the cloth; one of grid, line and mesh); add it"));
+  EXPECT_EQ(error("cloth:\n  grid: {size: [1, 1]}\n"),
+            at("2:9",
+               "cloth.grid: missing key 'vertices' (numbers of vertices along x and y; row i, column j is "
+               "vertex i*nx + j); add it"));
+  EXPECT_EQ(error("cloth: {scale: 2}"), at("1:8", "cloth: give one of the keys grid, line, mesh"));
+  EXPECT_EQ(error_after_cloth("pins: [{release: 1}]"),
+            at("2:8", "pins.0: give one of the keys vertices, box, near"));
+}
+
+TEST(ConfigError, DuplicateKey) {
+  EXPECT_EQ(error_after_cloth("time: {end: 1}\ntime: {end: 2}"),
+            at("3:1", "key 'time' is given twice (first at cases/x/case.yaml:2:1); remove one"));
+}
+
+TEST(ConfigError, KeysThatExcludeEachOther) {
+  EXPECT_EQ(error("cloth:\n  mesh: a.obj\n  grid: {size: [1, 1], vertices: [2, 2]}"),
+            at("3:3", "cloth.grid and cloth.mesh exclude each other; keep one"));
+  EXPECT_EQ(error_after_cloth("pins: [{vertices: [1], near: [[0, 0, 0]]}]"),
+            at("2:24", "pins.0.near and pins.0.vertices exclude each other; keep one"));
+}
+
+TEST(ConfigError, Checks) {
+  EXPECT_EQ(error_after_cloth("time: {max_step: 1 ms, min_step: 2 ms}"),
+            at("2:34", "time.min_step: 0.002 is above max_step, 0.001; make it smaller"));
+  EXPECT_EQ(error_after_cloth("time: {max_step: 1e-7}"),
+            at("2:7", "time.min_step: 1e-06 is above max_step, 1e-07; make it smaller"));
+  EXPECT_EQ(error_after_cloth("pins: [{box: {min: [0, 0, 1], max: [1, 1, 0]}}]"),
+            at("2:36", "pins.0.box.max: must not be below min in any direction"));
+  EXPECT_EQ(error_after_cloth("pins: [{vertices: []}]"),
+            at("2:19", "pins.0.vertices: must not be empty; a pin holds something"));
+  EXPECT_EQ(error_after_cloth("pins: [{near: []}]"),
+            at("2:15", "pins.0.near: must not be empty; a pin holds something"));
+  EXPECT_EQ(error_after_cloth("pins: [{vertices: [1], motion: [{time: 1}, {time: 1}]}]"),
+            at("2:32", "pins.0.motion: times must increase from keyframe to keyframe; sort them"));
+  EXPECT_EQ(error("cloth: {mesh: a.obj, start: {rotate: {axis: [0, 0, 0], angle: 1}}}"),
+            at("1:45", "cloth.start.rotate.axis: must not be zero; a rotation needs a direction"));
+  EXPECT_EQ(error_after_cloth("name: a/b"), at("2:7", "name: must be a word without '/'; it names a folder"));
+}
+
+// Overrides.
+
+TEST(ConfigOverride, SetsValues) {
+  const std::string pinned = grid + "pins: [{vertices: [0]}]";
+  EXPECT_EQ(read(grid, {{"time.max_step", "2 ms"}}).time.max_step, 0.002);
+  EXPECT_EQ(read(grid, {{"time.end", "2"}, {"time.end", "3"}}).time.end, 3);
+  EXPECT_EQ(read(pinned, {{"pins.0.release", "1.0"}}).pins[0].release, 1.0);
+  EXPECT_EQ(read(pinned, {{"pins.0.vertices.0", "8"}}).pins[0].vertices, std::vector<Global>{8});
+  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}}).gravity, Vec3(0, 0, -1));
+  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}, {"gravity.0", "5"}}).gravity, Vec3(5, 0, -1));
+  EXPECT_EQ(read(grid, {{"pins", "[{near: [[0, 0, 0]]}]"}}).pins.size(), 1u);
+}
+
+TEST(ConfigOverride, MakesMissingBlocks) {
+  const Case c = read(grid, {{"air.gust.speed", "3"}});
+  ASSERT_TRUE(c.air);
+  EXPECT_EQ(c.air->gust.speed, 3);
+  EXPECT_EQ(c.air->density, 1.2);
+}
+
+TEST(ConfigOverride, TakesThePlaceOfAnExclusiveKey) {
+  const Case c = read(grid, {{"cloth.mesh", "a.obj"}});
+  EXPECT_EQ(c.cloth.mesh, "a.obj");
+  EXPECT_FALSE(c.cloth.grid);
+  EXPECT_EQ(
+      error(grid, {{"cloth.mesh", "a.obj"}, {"cloth.line", "{length: 1, vertices: 2}"}}),
+      "--set cloth.line={length: 1, vertices: 2}: cloth.line and cloth.mesh exclude each other; keep one");
+}
+
+TEST(ConfigOverride, Errors) {
+  EXPECT_EQ(error(grid, {{"time.max_stp", "1"}}),
+            "--set time.max_stp=1: unknown key 'max_stp' (did you mean 'max_step'?)");
+  EXPECT_EQ(error(grid, {{"tme.end", "1"}}), "--set tme.end=1: unknown key 'tme' (did you mean 'time'?)");
+  EXPECT_EQ(
+      error(grid, {{"time.max_step", "5 mm"}}),
+      "--set time.max_step=5 mm: time.max_step: 'mm' is not a unit of time; write seconds as a number, or "
+      "e.g. '10 ms'");
+  EXPECT_EQ(error(grid, {{"time.end", "[1"}}),
+            "--set time.end=[1: not YAML: end of sequence flow not found; check "
+            "indentation, colons, brackets and quotes here");
+  EXPECT_EQ(error(grid, {{"time.end", ""}}),
+            "--set time.end=: time.end: expected a number in seconds, or e.g. '10 ms', found nothing");
+  EXPECT_EQ(error(grid, {{"pins.0.release", "1"}}),
+            "--set pins.0.release=1: there is no entry 0 to change; add it to the case file");
+  EXPECT_EQ(error(grid + "pins: [{vertices: [0]}]", {{"pins.2.release", "1"}}),
+            "--set pins.2.release=1: '2' is not an entry of the list, which has 1; count from 0");
+  EXPECT_EQ(error(grid + "pins: [{vertices: [0]}]", {{"pins.x.release", "1"}}),
+            "--set pins.x.release=1: 'x' is not an entry of the list, which has 1; count from 0");
+  EXPECT_EQ(error(grid + "time: {end: 1}", {{"time.end.now", "1"}}),
+            "--set time.end.now=1: there is no 'now' below '1'");
+}

@@ -1,0 +1,325 @@
+#include "io/hdf5.hpp"
+#include "io/mesh_file.hpp"
+#include "io/whole_file.hpp"
+#include "io/xdmf.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numeric>
+
+using namespace taut;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+namespace {
+
+namespace fs = std::filesystem;
+const MPI_Comm world = MPI_COMM_WORLD;
+
+/// A folder of the test's own, the same on all ranks, gone at the end.
+class Folder {
+public:
+  Folder() {
+    path_ = broadcast(world, [] {
+      std::string name = (fs::temp_directory_path() / "taut-hdf5-XXXXXX").string();
+      return std::string(mkdtemp(name.data()));
+    });
+  }
+  ~Folder() {
+    MPI_Barrier(world);
+    if (rank_of(world) == 0) fs::remove_all(path_);
+  }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+  std::size_t files() const {
+    MPI_Barrier(world);
+    return std::distance(fs::directory_iterator(path_), {});
+  }
+
+private:
+  fs::path path_;
+};
+
+Slab my_slab(Global total) { return slab_of(total, size_of(world), rank_of(world)); }
+
+/// All rows on one rank, none on the others.
+Slab all_on(int rank, Global total) {
+  const bool mine = rank_of(world) == rank;
+  return {rank_of(world) > rank ? total : 0, mine ? total : 0, total};
+}
+
+template<class T>
+std::vector<T> numbers_of(Slab rows, int columns) {
+  std::vector<T> values(std::size_t(rows.count * columns));
+  std::iota(values.begin(), values.end(), T(rows.first * columns));
+  return values;
+}
+
+template<class T>
+void round_trip(const fs::path& path, Slab written, Slab read, int columns) {
+  write_whole(world, path, [&](H5Writer& file) {
+    file.write<T>("/group/inner/data", numbers_of<T>(written, columns), columns, written);
+  });
+  const H5Reader file(world, path);
+  EXPECT_EQ(file.rows("/group/inner/data"), written.total);
+  EXPECT_EQ(file.columns("/group/inner/data"), columns);
+  EXPECT_EQ(file.read<T>("/group/inner/data", read), numbers_of<T>(read, columns));
+}
+
+template<class Function>
+std::string message_of(Function&& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_mesh(const fs::path& path, const std::vector<Vec3>& points, const std::vector<Global>& faces,
+                const std::vector<Global>& offsets) {
+  const auto whole = [](const auto& list) { return all_on(0, Global(list.size())); };
+  const bool root = rank_of(world) == 0;
+  write_whole(world, path, [&](H5Writer& file) {
+    file.write("/rest_positions", std::span(points).first(root ? points.size() : 0), whole(points));
+    file.write<Global>("/faces", std::span(faces).first(root ? faces.size() : 0), 1, whole(faces));
+    file.write<Global>("/face_offsets", std::span(offsets).first(root ? offsets.size() : 0), 1,
+                       whole(offsets));
+  });
+}
+
+const std::vector<Vec3> five_points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
+
+} // namespace
+
+TEST(Hdf5, GivesBackWhatWasWritten) {
+  const Folder folder;
+  round_trip<double>(folder / "a.h5", my_slab(103), my_slab(103), 3);
+  round_trip<std::int64_t>(folder / "b.h5", my_slab(103), my_slab(103), 2);
+  round_trip<std::int32_t>(folder / "c.h5", my_slab(103), my_slab(103), 1);
+}
+
+TEST(Hdf5, AllowsEmptySlabs) {
+  const Folder folder;
+  const int last = size_of(world) - 1;
+  round_trip<double>(folder / "a.h5", all_on(0, 7), all_on(last, 7), 3);
+  round_trip<double>(folder / "b.h5", all_on(last, 7), all_on(0, 7), 1);
+  round_trip<std::int64_t>(folder / "c.h5", my_slab(1), my_slab(1), 2);
+  round_trip<double>(folder / "d.h5", my_slab(0), my_slab(0), 3);
+}
+
+TEST(Hdf5, ReadsOverlappingSlabs) {
+  const Folder folder;
+  round_trip<double>(folder / "a.h5", my_slab(40), Slab{3, 20, 40}, 3);
+}
+
+TEST(Hdf5, KeepsVectors) {
+  const Folder folder;
+  const Slab rows = my_slab(9);
+  std::vector<Vec3> points;
+  for (Global i = rows.first; i < rows.first + rows.count; ++i)
+    points.emplace_back(double(i), 0.5, -double(i));
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) { file.write("/points", points, rows); });
+  const H5Reader file(world, folder / "a.h5");
+  EXPECT_EQ(file.columns("/points"), 3);
+  EXPECT_EQ(file.read_vectors("/points", rows), points);
+}
+
+TEST(Hdf5, KeepsAttributes) {
+  const Folder folder;
+  const std::string long_text(100000, 'x');
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) {
+    file.attribute("time", 0.1);
+    file.attribute("step", Global(1) << 60);
+    file.attribute("case", std::string("drape: größer"));
+    file.attribute("long", long_text);
+    file.attribute("empty", std::string());
+  });
+  const H5Reader file(world, folder / "a.h5");
+  EXPECT_EQ(file.attribute<double>("time"), 0.1);
+  EXPECT_EQ(file.attribute<std::int64_t>("step"), Global(1) << 60);
+  EXPECT_EQ(file.attribute<std::string>("case"), "drape: größer");
+  EXPECT_EQ(file.attribute<std::string>("long"), long_text);
+  EXPECT_EQ(file.attribute<std::string>("empty"), "");
+  EXPECT_THAT(message_of([&] { file.attribute<double>("case"); }),
+              HasSubstr("attribute case cannot be read"));
+  EXPECT_THAT(message_of([&] { file.attribute<double>("none"); }),
+              HasSubstr("the file has no such attribute"));
+}
+
+TEST(Hdf5, KnowsWhatIsThere) {
+  const Folder folder;
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) {
+    file.write<double>("/group/data", numbers_of<double>(my_slab(5), 1), 1, my_slab(5));
+  });
+  const H5Reader file(world, folder / "a.h5");
+  EXPECT_TRUE(file.has("/group/data"));
+  EXPECT_TRUE(file.has("/group"));
+  EXPECT_FALSE(file.has("/group/other"));
+  EXPECT_FALSE(file.has("/other/data"));
+}
+
+TEST(Hdf5, NamesFileAndDatasetInErrors) {
+  const Folder folder;
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) {
+    file.write<double>("/data", numbers_of<double>(my_slab(5), 1), 1, my_slab(5));
+  });
+  const H5Reader file(world, folder / "a.h5");
+  EXPECT_THAT(message_of([&] { file.rows("/none/data"); }),
+              AllOf(HasSubstr("a.h5: /none/data cannot be read"), HasSubstr("no such dataset")));
+  EXPECT_THAT(message_of([&] { file.read<double>("/data", my_slab(6)); }), HasSubstr("5 rows instead of 6"));
+  EXPECT_THAT(message_of([&] { file.read<Global>("/data", my_slab(5)); }),
+              HasSubstr("does not hold integers"));
+  EXPECT_THAT(message_of([&] { file.read_vectors("/data", my_slab(5)); }),
+              HasSubstr("does not have 3 columns"));
+}
+
+TEST(Hdf5, RefusesWhatItCannotOpen) {
+  const Folder folder;
+  EXPECT_THAT(message_of([&] { H5Reader(world, folder / "none.h5"); }), HasSubstr("none.h5: no such file"));
+  write_text_whole(world, folder / "text.h5", "not HDF5");
+  EXPECT_THAT(message_of([&] { H5Reader(world, folder / "text.h5"); }),
+              HasSubstr("text.h5: cannot be opened as HDF5"));
+  EXPECT_THAT(message_of([&] { H5Writer(world, folder / "none/a.h5"); }),
+              HasSubstr("a.h5: cannot be created"));
+}
+
+TEST(WholeFile, LeavesTheOldFileWhenFillingFails) {
+  const Folder folder;
+  const fs::path path = folder / "a.h5";
+  write_whole(world, path, [](H5Writer& file) { file.attribute("time", 1.0); });
+  const auto fails = [&] {
+    write_whole(world, path, [](H5Writer& file) {
+      file.attribute("time", 2.0);
+      throw InputError("stop");
+    });
+  };
+  EXPECT_EQ(message_of(fails), "stop");
+  EXPECT_EQ(folder.files(), 1u) << "the temporary is gone";
+  EXPECT_EQ(H5Reader(world, path).attribute<double>("time"), 1.0);
+  write_whole(world, path, [](H5Writer& file) { file.attribute("time", 3.0); });
+  EXPECT_EQ(H5Reader(world, path).attribute<double>("time"), 3.0);
+}
+
+TEST(WholeFile, IsNotThereBeforeItIsWhole) {
+  const Folder folder;
+  const fs::path path = folder / "a.h5";
+  write_whole(world, path, [&](H5Writer&) {
+    EXPECT_FALSE(fs::exists(path));
+    EXPECT_TRUE(fs::exists(part_of(path)));
+    MPI_Barrier(world);
+  });
+  EXPECT_TRUE(fs::exists(path));
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(WholeFile, ReplacesText) {
+  const Folder folder;
+  write_text_whole(world, folder / "a.txt", "a longer text");
+  write_text_whole(world, folder / "a.txt", "short");
+  EXPECT_EQ(text_of(folder / "a.txt"), "short");
+  EXPECT_THAT(message_of([&] { write_text_whole(world, folder / "none/a.txt", "text"); }),
+              AllOf(HasSubstr("none/a.txt: cannot be written"), HasSubstr("No such file or directory")));
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(MeshFile, ReadsMixedCellsFromHdf5) {
+  const Folder folder;
+  write_mesh(folder / "m.h5", five_points, {0, 1, 2, 3, 1, 4, 2, 0, 4}, {0, 4, 7, 9});
+  const MeshSlab mesh = read_mesh(world, folder / "m.h5", 2.0);
+  EXPECT_EQ(mesh.vertices.total, 5);
+  EXPECT_EQ(mesh.cells.total, 3);
+  const std::vector<Cell> expected{{{0, 1, 2, 3}}, {{1, 4, 2, -1}}, {{0, 4, -1, -1}}};
+  ASSERT_EQ(Global(mesh.cell.size()), mesh.cells.count);
+  for (Global c = 0; c < mesh.cells.count; ++c)
+    EXPECT_EQ(mesh.cell[c].vertices, expected[mesh.cells.first + c].vertices);
+  ASSERT_EQ(Global(mesh.rest_positions.size()), mesh.vertices.count);
+  for (Global v = 0; v < mesh.vertices.count; ++v)
+    EXPECT_EQ(mesh.rest_positions[v], 2.0 * five_points[mesh.vertices.first + v]);
+}
+
+TEST(MeshFile, NamesFileAndDatasetInErrors) {
+  const Folder folder;
+  const fs::path path = folder / "m.h5";
+  const auto message = [&](const std::vector<Vec3>& points, const std::vector<Global>& faces,
+                           const std::vector<Global>& offsets) {
+    write_mesh(path, points, faces, offsets);
+    return message_of([&] { read_mesh(world, path, 1.0); });
+  };
+  const double nan = std::nan("");
+  EXPECT_THAT(message({}, {}, {0}), HasSubstr("m.h5: /rest_positions: no vertices"));
+  EXPECT_THAT(message({{0, 0, 0}, {0, nan, 0}}, {0, 1}, {0, 2}), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(message(five_points, {}, {0}), HasSubstr("/face_offsets: no faces"));
+  EXPECT_THAT(message(five_points, {0, 1, 2}, {1, 3}), HasSubstr("/face_offsets: it does not begin with 0"));
+  EXPECT_THAT(message(five_points, {0, 1, 2}, {0, 2}), HasSubstr("it ends with 2, but /faces has 3 numbers"));
+  EXPECT_THAT(message(five_points, {0, 1, 2, 3, 4}, {0, 5}), HasSubstr("cell 0 has 5 vertices"));
+  EXPECT_THAT(message(five_points, {0, 1, 2, 1, 5, 3}, {0, 3, 6}), HasSubstr("cell 1 names vertex 5, but"));
+  EXPECT_THAT(message(five_points, {0, -1, 2}, {0, 3}), HasSubstr("/faces: cell 0 names vertex -1"));
+  EXPECT_THAT(message(five_points, {0, 1, 0}, {0, 3}), HasSubstr("names vertex 0 twice"));
+  write_whole(world, path, [](H5Writer&) {});
+  EXPECT_THAT(message_of([&] { read_mesh(world, path, 1.0); }),
+              HasSubstr("m.h5: /rest_positions cannot be read"));
+  EXPECT_THAT(message_of([&] { read_mesh(world, "cloth.stl", 1.0); }),
+              AllOf(HasSubstr("cloth.stl"), HasSubstr(".obj"), HasSubstr(".h5")));
+}
+
+TEST(Xdmf, MixesCells) {
+  const std::vector<Global> vertices{7, 8, 0, 1, 2, 0, 1, 2, 3};
+  EXPECT_THAT(xdmf_mixed_cells(vertices, std::vector<Global>{0, 2, 5, 9}),
+              ElementsAre(2, 2, 7, 8, 4, 0, 1, 2, 5, 0, 1, 2, 3));
+  EXPECT_THAT(xdmf_mixed_cells(std::span(vertices).subspan(2), std::vector<Global>{2, 5, 9}),
+              ElementsAre(4, 0, 1, 2, 5, 0, 1, 2, 3));
+  EXPECT_TRUE(xdmf_mixed_cells({}, std::vector<Global>{9}).empty());
+}
+
+TEST(Xdmf, DescribesEveryFrame) {
+  XdmfDescription description;
+  description.points = 9;
+  description.cells = 4;
+  description.cells_length = 16;
+  description.fields = {
+      {.name = "velocity", .dataset = "/velocities", .components = 3},
+      {.name = "owner_rank", .dataset = "/owner_rank", .number = XdmfNumber::int32, .home = XdmfHome::mesh},
+      {.name = "strain_warp", .dataset = "/cells/strain_warp", .centre = XdmfCentre::cell}};
+  description.frames = {{0.0, "frames/frame_000000.h5"}, {0.1, "frames/frame_000001.h5"}};
+  const std::string text = xdmf(description);
+  EXPECT_THAT(text, HasSubstr(R"(<Time Value="0.1"/>)"));
+  EXPECT_THAT(text, HasSubstr(R"(Dimensions="4 4">mesh.h5:/faces<)"));
+  EXPECT_THAT(text, HasSubstr(R"(Dimensions="9 3">frames/frame_000001.h5:/positions<)"));
+  EXPECT_THAT(text, HasSubstr(R"(Dimensions="9 3">frames/frame_000001.h5:/velocities<)"));
+  EXPECT_THAT(text, HasSubstr(R"(Precision="4" Dimensions="9">mesh.h5:/owner_rank<)"));
+  EXPECT_THAT(text, HasSubstr(R"(AttributeType="Scalar" Center="Cell")"));
+}
+
+TEST(Xdmf, IsWellFormed) {
+  XdmfDescription description;
+  for (const auto shape : {XdmfCells::lines, XdmfCells::triangles, XdmfCells::quads, XdmfCells::mixed}) {
+    description.shape = shape;
+    description.fields = {{.name = "strain", .dataset = "/strain", .centre = XdmfCentre::cell}};
+    description.frames.push_back({0.5 * double(description.frames.size()), "frames/f.h5"});
+    const std::string text = xdmf(description);
+    std::vector<std::string> open; // every tag is closed by its own name, in the right order
+    for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+      const auto end = text.find('>', at);
+      ASSERT_NE(end, std::string::npos);
+      const std::string tag = text.substr(at + 1, end - at - 1);
+      ASSERT_EQ(std::ranges::count(tag, '"') % 2, 0);
+      if (tag.front() == '?' || tag.back() == '/') continue;
+      if (tag.front() != '/') {
+        open.push_back(tag.substr(0, tag.find(' ')));
+      } else {
+        ASSERT_FALSE(open.empty());
+        EXPECT_EQ(open.back(), tag.substr(1));
+        open.pop_back();
+      }
+    }
+    EXPECT_TRUE(open.empty());
+  }
+}

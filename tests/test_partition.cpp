@@ -1,0 +1,257 @@
+#include "partition/distributed_mesh.hpp"
+#include "partition/fetch.hpp"
+#include "partition/grid.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+#include <set>
+
+using namespace taut;
+
+namespace {
+
+const MPI_Comm world = MPI_COMM_WORLD;
+
+MeshSlab from_lists(const std::vector<Vec3>& points, const std::vector<Cell>& cells) {
+  MeshSlab mesh;
+  mesh.vertices = slab_of(Global(points.size()), size_of(world), rank_of(world));
+  mesh.cells = slab_of(Global(cells.size()), size_of(world), rank_of(world));
+  mesh.rest_positions.assign(points.begin() + mesh.vertices.first,
+                             points.begin() + mesh.vertices.first + mesh.vertices.count);
+  mesh.cell.assign(cells.begin() + mesh.cells.first, cells.begin() + mesh.cells.first + mesh.cells.count);
+  return mesh;
+}
+
+/// Two squares of 2 x 2 quads far apart.
+MeshSlab two_pieces() {
+  std::vector<Vec3> points;
+  std::vector<Cell> cells;
+  for (int piece = 0; piece < 2; ++piece) {
+    const Global base = 9 * piece;
+    for (int i = 0; i < 9; ++i) points.emplace_back(i % 3 + 10.0 * piece, i / 3, 0);
+    for (const Global c : {0, 1, 3, 4}) cells.push_back({{base + c, base + c + 1, base + c + 4, base + c + 3}});
+  }
+  return from_lists(points, cells);
+}
+
+std::vector<int> random_owners(const Slab& slab, unsigned seed) {
+  std::vector<int> owners;
+  std::mt19937 random(seed);
+  for (Global i = 0; i < slab.total; ++i) {
+    const int owner = int(random() % unsigned(size_of(world)));
+    if (slab.contains(i)) owners.push_back(owner);
+  }
+  return owners;
+}
+
+/// Everything that must hold for any mesh and any partition of it.
+void check(const MeshSlab& slab, const std::vector<int>& owners) {
+  const Topology topology = find_topology(world, slab);
+  const DistributedMesh mesh = distribute(world, slab, topology, owners);
+  EXPECT_EQ(mesh.vertices.total, slab.vertices.total);
+  EXPECT_EQ(mesh.edges.total, topology.constrained_edges);
+  EXPECT_EQ(sum_over(world, Global(mesh.vertices.owned)), slab.vertices.total);
+  EXPECT_EQ(sum_over(world, Global(mesh.owned_cells.size())), slab.cells.total);
+
+  // Halo, forth: ghosts hold what their owners hold.
+  std::vector<Global> numbers(mesh.vertices.size(), -1);
+  for (Local i = 0; i < mesh.vertices.owned; ++i) numbers[i] = mesh.vertices.original[i];
+  mesh.vertex_halo.update(numbers);
+  EXPECT_EQ(numbers, mesh.vertices.original);
+  for (Local i = 0; i < mesh.vertices.owned; ++i) numbers[i] = mesh.vertices.global(i);
+  mesh.vertex_halo.update(numbers);
+  for (Local i = 0; i < mesh.vertices.size(); ++i) EXPECT_EQ(numbers[i], mesh.vertices.global(i));
+
+  // Halo, back: every copy of a vertex adds one.
+  std::vector<double> copies(mesh.vertices.size(), 1.0);
+  mesh.vertex_halo.accumulate(copies);
+  const double held = std::accumulate(copies.begin(), copies.begin() + mesh.vertices.owned, 0.0);
+  EXPECT_EQ(sum_over(world, held), sum_over(world, double(mesh.vertices.size())));
+
+  // To the original order and back.
+  const auto rows = mesh.vertex_order.to_slab<Global>(mesh.vertices.original);
+  for (Global i = 0; i < Global(rows.size()); ++i) EXPECT_EQ(rows[i], mesh.vertex_order.slab().first + i);
+  std::vector<Global> back(mesh.vertices.owned);
+  mesh.vertex_order.from_slab<Global>(rows, back);
+  EXPECT_TRUE(std::equal(back.begin(), back.end(), mesh.vertices.original.begin()));
+
+  // The stars of owned vertices and of their neighbours are whole.
+  const auto degree_of = [&](Local v) {
+    Global degree = 0;
+    for ([[maybe_unused]] const EdgeEnd& e : mesh.star_of(v)) ++degree;
+    return degree;
+  };
+  std::vector<Global> degrees(slab.vertices.count, 0);
+  for (Global i = 0; i < slab.vertices.count; ++i)
+    for (std::size_t s = topology.star[i]; s < topology.star[i + 1]; ++s) degrees[i] += topology.spokes[s].edge >= 0;
+  const auto expected = fetch<Global>(world, slab.vertices, degrees, mesh.vertices.original);
+  for (Local v = 0; v < mesh.vertices.owned; ++v) {
+    EXPECT_EQ(degree_of(v), expected[v]);
+    for (const EdgeEnd& e : mesh.star_of(v)) EXPECT_EQ(degree_of(e.other), expected[e.other]);
+  }
+
+  // Every owned vertex is in all its cells and triples.
+  const auto global_uses = [&](auto&& count) {
+    double uses = 0;
+    count(uses);
+    return sum_over(world, uses);
+  };
+  EXPECT_EQ(global_uses([&](double& uses) {
+              for (const LocalCell& c : mesh.cells)
+                for (int k = 0; k < c.size(); ++k) uses += mesh.owns_vertex(c.vertices[k]);
+            }),
+            global_uses([&](double& uses) {
+              for (const Cell& c : slab.cell) uses += c.size();
+            }));
+  EXPECT_EQ(global_uses([&](double& uses) {
+              for (const auto& t : mesh.triples)
+                for (const Local v : t) uses += mesh.owns_vertex(v);
+            }),
+            3 * sum_over(world, double(topology.triples.size())));
+}
+
+} // namespace
+
+TEST(Slab, CoversAllOnce) {
+  for (const Global total : {0, 1, 5, 17, 1000})
+    for (const int ranks : {1, 2, 3, 8, 40}) {
+      Global next = 0;
+      for (int r = 0; r < ranks; ++r) {
+        const Slab s = slab_of(total, ranks, r);
+        EXPECT_EQ(s.first, next);
+        for (Global i = s.first; i < s.first + s.count; ++i) EXPECT_EQ(slab_rank(total, ranks, i), r);
+        next += s.count;
+      }
+      EXPECT_EQ(next, total);
+    }
+}
+
+TEST(Topology, CountsOfAGrid) {
+  const Topology t = find_topology(world, make_grid(world, {1, 1}, {7, 5}));
+  EXPECT_EQ(t.constrained_edges, 6 * 5 + 7 * 4);
+  // Triples: along each of the 5 rows 5, along each of the 7 columns 3.
+  EXPECT_EQ(sum_over(world, Global(t.triples.size())), 5 * 5 + 7 * 3);
+}
+
+TEST(Topology, LineIsOneYarn) {
+  const Topology t = find_topology(world, make_line(world, 1.0, 11));
+  EXPECT_EQ(t.constrained_edges, 10);
+  EXPECT_EQ(sum_over(world, Global(t.triples.size())), 9);
+}
+
+TEST(Topology, YarnsEndAtIrregularVertices) {
+  // Five quads around one vertex: no edge of the centre has exactly one partner.
+  std::vector<Vec3> points{Vec3::Zero()};
+  std::vector<Cell> cells;
+  for (int k = 0; k < 10; ++k) points.emplace_back(std::cos(0.2 * M_PI * k), std::sin(0.2 * M_PI * k), 0);
+  for (Global k = 0; k < 5; ++k) cells.push_back({{0, 1 + 2 * k, 2 + 2 * k, 1 + (2 * k + 2) % 10}});
+  const Topology t = find_topology(world, from_lists(points, cells));
+  for (const YarnTriple& triple : t.triples) EXPECT_NE(triple.centre, 0);
+}
+
+TEST(Topology, MixedMeshConstrainsTheEdgesOfQuadsOnly) {
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
+  const Topology t = find_topology(world, from_lists(points, {{{0, 1, 2, 3}}, {{1, 4, 2, -1}}}));
+  EXPECT_EQ(t.constrained_edges, 4);
+}
+
+class FaultyMesh : public testing::Test {
+ protected:
+  static std::string message_for(const std::vector<Vec3>& points, const std::vector<Cell>& cells) {
+    MeshSlab mesh = from_lists(points, cells);
+    mesh.name = "bad.obj";
+    for (Global i = 0; i < mesh.vertices.count; ++i) mesh.vertex_lines.push_back(1 + mesh.vertices.first + i);
+    for (Global i = 0; i < mesh.cells.count; ++i) mesh.cell_lines.push_back(101 + mesh.cells.first + i);
+    try {
+      find_topology(world, mesh);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  }
+  const std::vector<Vec3> six_{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+};
+
+TEST_F(FaultyMesh, FlippedFace) {
+  EXPECT_THAT(message_for(six_, {{{0, 1, 2, 3}}, {{1, 2, 5, 4}}}),
+              testing::StartsWith("bad.obj:102: this face and the face on line 101 run along the edge between vertices "
+                                  "2 and 3 in the same direction"));
+}
+
+TEST_F(FaultyMesh, NonManifoldEdge) {
+  EXPECT_THAT(message_for(six_, {{{0, 1, 2, 3}}, {{2, 1, 4, 5}}, {{2, 1, 0, 5}}}),
+              testing::HasSubstr("has 3 faces (one on line 101): the mesh is non-manifold there"));
+}
+
+TEST_F(FaultyMesh, DoubledLine) {
+  EXPECT_THAT(message_for({{0, 0, 0}, {1, 0, 0}}, {{{0, 1, -1, -1}}, {{1, 0, -1, -1}}}),
+              testing::HasSubstr("bad.obj:102: the edge between vertices 1 and 2 is there twice"));
+}
+
+TEST_F(FaultyMesh, IsolatedVertex) {
+  EXPECT_EQ(message_for(six_, {{{0, 1, 2, 3}}}), "bad.obj:5: vertex 5 belongs to no face and no line; remove it");
+}
+
+TEST_F(FaultyMesh, ZeroLengthEdge) {
+  EXPECT_THAT(message_for({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2, 3}}}),
+              testing::StartsWith("bad.obj:3: vertex 3 lies exactly on vertex 2 (line 2)"));
+}
+
+TEST(Distribute, GridByMetis) {
+  const MeshSlab slab = make_grid(world, {2, 1}, {23, 17});
+  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::metis));
+}
+
+TEST(Distribute, GridByStripes) {
+  const MeshSlab slab = make_grid(world, {2, 1}, {23, 17});
+  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::stripes));
+}
+
+TEST(Distribute, RandomOwners) {
+  const MeshSlab slab = make_grid(world, {2, 1}, {9, 8});
+  for (unsigned seed = 0; seed < 5; ++seed) check(slab, random_owners(slab.vertices, seed));
+}
+
+TEST(Distribute, AllOnTheLastRank) {
+  const MeshSlab slab = make_grid(world, {2, 1}, {9, 8});
+  check(slab, std::vector<int>(slab.vertices.count, size_of(world) - 1));
+}
+
+TEST(Distribute, OneQuad) {
+  const MeshSlab slab = make_grid(world, {1, 1}, {2, 2});
+  for (const Partitioner method : {Partitioner::metis, Partitioner::stripes})
+    check(slab, partition(world, slab, find_topology(world, slab), method));
+}
+
+TEST(Distribute, LineOfTwo) {
+  const MeshSlab slab = make_line(world, 1, 2); // more ranks than vertices
+  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::metis));
+}
+
+TEST(Distribute, DisconnectedPieces) {
+  const MeshSlab slab = two_pieces();
+  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::metis));
+}
+
+TEST(Distribute, MetisBalancesAndCutsLittle) {
+  const MeshSlab slab = make_grid(world, {1, 1}, {61, 61});
+  const Topology topology = find_topology(world, slab);
+  const auto report = distribute(world, slab, topology, partition(world, slab, topology, Partitioner::metis)).report;
+  EXPECT_LE(report.imbalance, 1.05);
+  EXPECT_LE(report.edge_cut, 70 * (size_of(world) - 1));
+}
+
+TEST(Distribute, EdgesOfAYarnFollowEachOther) {
+  const MeshSlab slab = make_grid(world, {1, 1}, {12, 9});
+  const Topology topology = find_topology(world, slab);
+  const DistributedMesh mesh = distribute(world, slab, topology, std::vector<int>(slab.vertices.count, 0));
+  Local breaks = 0;
+  for (Local e = 1; e < mesh.edges.owned; ++e) {
+    const auto &a = mesh.edge_vertices[e - 1], &b = mesh.edge_vertices[e];
+    breaks += a[0] != b[0] && a[0] != b[1] && a[1] != b[0] && a[1] != b[1];
+  }
+  EXPECT_LE(breaks, 12 + 9);
+}
