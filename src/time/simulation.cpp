@@ -97,7 +97,9 @@ Simulation::Attempt Simulation::attempt(double dt) {
   record.dt = dt;
   Stopwatch watch;
   candidate_.velocities = state_.velocities;
-  candidate_.force_density = state_.force_density;
+  candidate_.force_density.resize(state_.force_density.size());
+  for (std::size_t e = 0; e < state_.force_density.size(); ++e)
+    candidate_.force_density[e] = inextensibility_.carried_tension ? std::max(state_.force_density[e], 0.0) : 0.0;
   pins_.prescribe(state_, dt, prescribed_, candidate_.velocities);
   const SolveReport predicted = integrator_.predict(state_, dt, prescribed_, candidate_.velocities);
   record.velocity_iterations = predicted.iterations;
