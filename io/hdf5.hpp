@@ -62,12 +62,13 @@ public:
 
 private:
   void write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows);
-  void reserve_room(hid_t dataset);
-  void write_attribute(const std::string& name, const void* value, hid_t type);
+  void write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size);
+  void set_aside(Global end);
 
   MPI_Comm comm_;
   std::filesystem::path path_;
   H5Handle file_;
+  Global room_ = 0; ///< bytes at the beginning of the file that the disk has set aside
 };
 
 /// Writes the file `path` with what `fill` puts into it, or leaves things as they were: if `fill` throws (on

@@ -41,6 +41,7 @@ H5Handle shared_access(MPI_Comm comm) {
   H5Handle access = own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   require(H5Pset_fapl_mpio(access.get(), comm, MPI_INFO_NULL));
   require(H5Pset_all_coll_metadata_ops(access.get(), true));
+  require(H5Pset_coll_metadata_write(access.get(), true));
   return access;
 }
 

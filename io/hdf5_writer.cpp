@@ -1,12 +1,17 @@
 #include "io/hdf5_error.hpp"
 #include "io/whole_file.hpp"
 
+#include <algorithm>
+
 namespace taut {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr const char* cure = "check that the folder exists, may be written to and has room";
+
+/// Bytes; far more than one call adds of HDF5's own: names, headers, tables.
+constexpr Global own_needs = 1 << 16;
 
 std::string subject(const fs::path& path, const std::string& name) {
   return fmt::format("{}: {} cannot be written", path.string(), name);
@@ -41,10 +46,13 @@ void check_size(std::size_t given, int columns, Slab rows) {
 H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
   h5::silence();
   try {
+    set_aside(0); // a full disk or a missing folder shows here, before HDF5 is concerned
     h5::collectively(comm_, fmt::format("{}: cannot be created", path_.string()), cure, [&] {
       const H5Handle access = h5::shared_access(comm_);
       file_ = h5::own(H5Fcreate(part_of(path_).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
     });
+    room_ = 0; // HDF5 began the file anew
+    set_aside(0);
   } catch (const InputError&) {
     remove_on_rank_0(comm_, part_of(path_));
     throw;
@@ -84,7 +92,7 @@ void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t ty
                       H5Dclose);
   });
   if (rows.total == 0) return; // HDF5 cannot move nothing to nowhere
-  reserve_room(dataset.get());
+  set_aside(static_cast<Global>(H5Dget_offset(dataset.get()) + H5Dget_storage_size(dataset.get())));
   h5::collectively(comm_, subject(path_, name), cure, [&] {
     const h5::Selection selection = h5::select(shape, rows);
     const H5Handle transfer = h5::collective_transfer();
@@ -93,30 +101,33 @@ void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t ty
   });
 }
 
-/// A collective write to a full disk may pass for a success (Open MPI's does), so the disk is asked
-/// beforehand.
-void H5Writer::reserve_room(hid_t dataset) {
+/// Takes the disk room up to `end`, and for what the next call may add of HDF5's own. HDF5 hangs or crashes
+/// when it meets a full disk while closing, and a collective write to one may pass for a success (Open MPI's
+/// does), so room is always taken beforehand, where a refusal does no harm.
+void H5Writer::set_aside(Global end) {
+  end = std::max(end, room_) + own_needs;
   broadcast(comm_, [&] {
-    const auto begin = static_cast<std::int64_t>(H5Dget_offset(dataset));
-    reserve(path_, begin, begin + static_cast<std::int64_t>(H5Dget_storage_size(dataset)));
+    reserve(path_, room_, end);
     return std::string();
   });
+  room_ = end;
 }
 
 void H5Writer::attribute(const std::string& name, double value) {
-  write_attribute(name, &value, H5T_NATIVE_DOUBLE);
+  write_attribute(name, &value, H5T_NATIVE_DOUBLE, sizeof value);
 }
 
 void H5Writer::attribute(const std::string& name, std::int64_t value) {
-  write_attribute(name, &value, H5T_NATIVE_INT64);
+  write_attribute(name, &value, H5T_NATIVE_INT64, sizeof value);
 }
 
 void H5Writer::attribute(const std::string& name, const std::string& value) {
   const char* const text = value.c_str();
-  write_attribute(name, &text, h5::text_type().get());
+  write_attribute(name, &text, h5::text_type().get(), value.size());
 }
 
-void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type) {
+void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size) {
+  set_aside(room_ + static_cast<Global>(size));
   h5::collectively(comm_, subject(path_, "attribute " + name), cure, [&] {
     const H5Handle scalar = h5::own(H5Screate(H5S_SCALAR), H5Sclose);
     const H5Handle attribute = h5::own(

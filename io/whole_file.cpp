@@ -50,7 +50,7 @@ fs::path part_of(const fs::path& path) { return fs::path(path) += ".part"; }
 
 void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
   if (begin >= end) return;
-  const Descriptor file(part_of(path), O_WRONLY);
+  const Descriptor file(part_of(path), O_WRONLY | O_CREAT);
   if (file.get() < 0) refuse(path);
   int error = EINTR;
   while (error == EINTR) error = ::posix_fallocate(file.get(), begin, end - begin);

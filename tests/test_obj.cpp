@@ -1,3 +1,4 @@
+#include "io/hdf5.hpp"
 #include "io/mesh_file.hpp"
 #include "io/obj.hpp"
 #include "io/obj_parser.hpp"
@@ -6,9 +7,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <array>
+#include <cmath>
+#include <cstdlib>
 
 using namespace taut;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
@@ -25,10 +29,10 @@ const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"; // four verti
 /// A file with `text`, gone at the end.
 class TemporaryFile {
 public:
-  explicit TemporaryFile(const std::string& text) {
+  explicit TemporaryFile(const std::string& text, const std::string& name = "file.obj") : name_(name) {
     folder_ = broadcast(world, [] {
-      std::string name = (fs::temp_directory_path() / "taut-obj-XXXXXX").string();
-      return std::string(mkdtemp(name.data()));
+      std::string folder = (fs::temp_directory_path() / "taut-obj-XXXXXX").string();
+      return std::string(mkdtemp(folder.data()));
     });
     write_text_whole(world, path(), text);
   }
@@ -36,29 +40,25 @@ public:
     MPI_Barrier(world);
     if (rank_of(world) == 0) fs::remove_all(folder_);
   }
-  fs::path path() const { return folder_ / "file.obj"; }
+  fs::path path() const { return folder_ / name_; }
 
 private:
+  std::string name_;
   fs::path folder_;
 };
 
-std::string parse_error(const std::string& text) {
+template<class Function>
+std::string message_of(Function&& function) {
   try {
-    parse_obj(text, "file.obj");
+    function();
   } catch (const InputError& error) {
     return error.what();
   }
   return "no error";
 }
 
-template<class Read>
-std::string read_error(Read&& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string parse_error(const std::string& text) {
+  return message_of([&] { parse_obj(text, "file.obj"); });
 }
 
 std::vector<std::array<Global, 4>> cells_of(const std::string& text) {
@@ -82,6 +82,23 @@ std::string grid_text(int side) {
     }
   return text;
 }
+
+void write_mesh(const fs::path& path, const std::vector<Vec3>& points, const std::vector<Global>& faces,
+                const std::vector<Global>& offsets) {
+  const auto whole = [](const auto& list) {
+    const Global total = Global(list.size());
+    return rank_of(world) == 0 ? Slab{0, total, total} : Slab{total, 0, total};
+  };
+  const bool root = rank_of(world) == 0;
+  write_whole(world, path, [&](H5Writer& file) {
+    file.write("/rest_positions", std::span(points).first(root ? points.size() : 0), whole(points));
+    file.write<Global>("/faces", std::span(faces).first(root ? faces.size() : 0), 1, whole(faces));
+    file.write<Global>("/face_offsets", std::span(offsets).first(root ? offsets.size() : 0), 1,
+                       whole(offsets));
+  });
+}
+
+const std::vector<Vec3> five_points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
 
 } // namespace
 
@@ -163,9 +180,9 @@ TEST(ObjParser, RefusesVerticesThatDoNotExist) {
 }
 
 TEST(ObjParser, RefusesFacesOfTheWrongSize) {
-  EXPECT_THAT(parse_error(square + "v 2 2 2\nf 1 2 3 4 5\n"),
-              testing::AllOf(StartsWith("file.obj:6: a face has more than 4 vertices; "),
-                             HasSubstr("split it into quads")));
+  EXPECT_THAT(
+      parse_error(square + "v 2 2 2\nf 1 2 3 4 5\n"),
+      AllOf(StartsWith("file.obj:6: a face has more than 4 vertices; "), HasSubstr("split it into quads")));
   EXPECT_THAT(parse_error(square + "f 1 2\n"), StartsWith("file.obj:5: a face has fewer than 3 vertices; "));
   EXPECT_THAT(parse_error(square + "f\n"), StartsWith("file.obj:5: a face has fewer than 3 vertices; "));
   EXPECT_THAT(parse_error(square + "l 1\n"),
@@ -179,23 +196,23 @@ TEST(ObjParser, RefusesARepeatedVertex) {
 }
 
 TEST(Obj, RefusesAMissingFile) {
-  EXPECT_THAT(read_error([] { read_obj(world, "/none/file.obj", 1.0); }),
+  EXPECT_THAT(message_of([] { read_obj(world, "/none/file.obj", 1.0); }),
               StartsWith("/none/file.obj: no such file, or it may not be read; "));
-  EXPECT_THAT(read_error([] { read_obj(world, "/", 1.0); }), HasSubstr("no such file"));
+  EXPECT_THAT(message_of([] { read_obj(world, "/", 1.0); }), HasSubstr("no such file"));
 }
 
 TEST(Obj, RefusesAMeshWithNothingInIt) {
   const TemporaryFile empty(""), points("v 0 0 0\n"), faces("f 1 2 3\n");
-  EXPECT_THAT(read_error([&] { read_obj(world, empty.path(), 1.0); }), HasSubstr("file.obj: no vertices; "));
-  EXPECT_THAT(read_error([&] { read_obj(world, points.path(), 1.0); }),
+  EXPECT_THAT(message_of([&] { read_obj(world, empty.path(), 1.0); }), HasSubstr("file.obj: no vertices; "));
+  EXPECT_THAT(message_of([&] { read_obj(world, points.path(), 1.0); }),
               HasSubstr("file.obj: no faces or lines; "));
-  EXPECT_THAT(read_error([&] { read_obj(world, faces.path(), 1.0); }),
+  EXPECT_THAT(message_of([&] { read_obj(world, faces.path(), 1.0); }),
               HasSubstr("file.obj:1: vertex 3 does not exist"));
 }
 
 TEST(Obj, TellsAllRanksTheError) {
   const TemporaryFile file(square + "f 1 2 9\n");
-  EXPECT_EQ(read_error([&] { read_obj(world, file.path(), 1.0); }),
+  EXPECT_EQ(message_of([&] { read_obj(world, file.path(), 1.0); }),
             file.path().string() + ":5: vertex 9 does not exist, the file has 4; correct the number");
 }
 
@@ -237,6 +254,45 @@ TEST(Obj, ReadsOnlyPositionsForAStart) {
   ASSERT_EQ(Global(positions.size()), mine.count);
   for (Global v = 0; v < mine.count; ++v) EXPECT_EQ(positions[v], expected[mine.first + v]);
   const Slab other = slab_of(5, size_of(world), rank_of(world));
-  EXPECT_THAT(read_error([&] { read_obj_positions(world, file.path(), 1.0, other); }),
+  EXPECT_THAT(message_of([&] { read_obj_positions(world, file.path(), 1.0, other); }),
               HasSubstr("file.obj: it has 4 vertices, the mesh 5; "));
+}
+
+TEST(MeshFile, ReadsMixedCellsFromHdf5) {
+  const TemporaryFile file("", "m.h5");
+  write_mesh(file.path(), five_points, {0, 1, 2, 3, 1, 4, 2, 0, 4}, {0, 4, 7, 9});
+  const MeshSlab mesh = read_mesh(world, file.path(), 2.0);
+  EXPECT_EQ(mesh.vertices.total, 5);
+  EXPECT_EQ(mesh.cells.total, 3);
+  const std::vector<Cell> expected{{{0, 1, 2, 3}}, {{1, 4, 2, -1}}, {{0, 4, -1, -1}}};
+  ASSERT_EQ(Global(mesh.cell.size()), mesh.cells.count);
+  for (Global c = 0; c < mesh.cells.count; ++c)
+    EXPECT_EQ(mesh.cell[c].vertices, expected[mesh.cells.first + c].vertices);
+  ASSERT_EQ(Global(mesh.rest_positions.size()), mesh.vertices.count);
+  for (Global v = 0; v < mesh.vertices.count; ++v)
+    EXPECT_EQ(mesh.rest_positions[v], 2.0 * five_points[mesh.vertices.first + v]);
+}
+
+TEST(MeshFile, NamesFileAndDatasetInErrors) {
+  const TemporaryFile file("", "m.h5");
+  const auto message = [&](const std::vector<Vec3>& points, const std::vector<Global>& faces,
+                           const std::vector<Global>& offsets) {
+    write_mesh(file.path(), points, faces, offsets);
+    return message_of([&] { read_mesh(world, file.path(), 1.0); });
+  };
+  const double nan = std::nan("");
+  EXPECT_THAT(message({}, {}, {0}), HasSubstr("m.h5: /rest_positions: no vertices"));
+  EXPECT_THAT(message({{0, 0, 0}, {0, nan, 0}}, {0, 1}, {0, 2}), HasSubstr("vertex 1 is not finite"));
+  EXPECT_THAT(message(five_points, {}, {0}), HasSubstr("/face_offsets: no faces"));
+  EXPECT_THAT(message(five_points, {0, 1, 2}, {1, 3}), HasSubstr("/face_offsets: it does not begin with 0"));
+  EXPECT_THAT(message(five_points, {0, 1, 2}, {0, 2}), HasSubstr("it ends with 2, but /faces has 3 numbers"));
+  EXPECT_THAT(message(five_points, {0, 1, 2, 3, 4}, {0, 5}), HasSubstr("cell 0 has 5 vertices"));
+  EXPECT_THAT(message(five_points, {0, 1, 2, 1, 5, 3}, {0, 3, 6}), HasSubstr("cell 1 names vertex 5, but"));
+  EXPECT_THAT(message(five_points, {0, -1, 2}, {0, 3}), HasSubstr("/faces: cell 0 names vertex -1"));
+  EXPECT_THAT(message(five_points, {0, 1, 0}, {0, 3}), HasSubstr("names vertex 0 twice"));
+  write_whole(world, file.path(), [](H5Writer&) {});
+  EXPECT_THAT(message_of([&] { read_mesh(world, file.path(), 1.0); }),
+              HasSubstr("m.h5: /rest_positions cannot be read"));
+  EXPECT_THAT(message_of([&] { read_mesh(world, "cloth.stl", 1.0); }),
+              AllOf(HasSubstr("cloth.stl"), HasSubstr(".obj"), HasSubstr(".h5")));
 }

@@ -151,7 +151,7 @@ struct Inextensibility {
   LinearSolver solver = LinearSolver::cg;
   int max_iterations = 20;
   bool carried_tension = true;
-  double compliance = 0;
+  std::optional<double> compliance; ///< 1/N; absent: see FastProjection
   bool operator==(const Inextensibility&) const = default;
 };
 

@@ -191,7 +191,11 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
   v("carried_tension", i.carried_tension, {.meaning = "start a step from the tension of the last"});
   v("compliance", i.compliance,
-    {.range = not_negative, .meaning = "softness, relative to the diagonal of the projection system"});
+    {.unit = Unit::per_newton,
+     .range = not_negative,
+     .computed_default = "from the weight of the cloth",
+     .meaning = "strain of an edge per newton of its tension; by default that of a taut thread which bears the whole "
+                "cloth is a tenth of the limit"});
 }
 
 template<class V>

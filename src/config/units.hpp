@@ -17,6 +17,7 @@ enum class Unit {
   cloth_density, ///< kg/m^2 on a surface, kg/m on a line
   cloth_bending, ///< N m on a surface, N m^2 on a line
   newton_per_metre,
+  per_newton,
 };
 
 /// How messages and documents speak of a unit.

@@ -94,9 +94,8 @@ struct ProjectionSystem::Petsc {
   OwnedKsp ksp;
 };
 
-ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options, double compliance)
-    : mesh_(mesh), max_iterations_(options.max_iterations), compliance_(compliance),
-      petsc_(std::make_unique<Petsc>()) {
+ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options)
+    : mesh_(mesh), max_iterations_(options.max_iterations), petsc_(std::make_unique<Petsc>()) {
   Petsc& p = *petsc_;
   p.rows = pattern_of(mesh);
   p.links = links_of(mesh, p.rows);
@@ -116,7 +115,8 @@ ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOpti
 
 ProjectionSystem::~ProjectionSystem() = default;
 
-void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass) {
+void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
+                                std::span<const double> shift) {
   Petsc& p = *petsc_;
   std::fill(p.rows.own.values.begin(), p.rows.own.values.end(), 0.0);
   std::fill(p.rows.ghost.values.begin(), p.rows.ghost.values.end(), 0.0);
@@ -124,8 +124,8 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
   for (Local e = 0; e < mesh_.edges.owned; ++e) {
     const auto& [a, b] = mesh_.edge_vertices[e];
     const Vec3& g = gradient[e];
-    const double diagonal = (inverse_mass[a] + inverse_mass[b]) * g.squaredNorm() * (1.0 + compliance_);
-    *p.rows.diagonal[e] = diagonal > 0 ? diagonal : 1.0;
+    const double mobility = inverse_mass[a] + inverse_mass[b];
+    *p.rows.diagonal[e] = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
     for_each_coupling(mesh_, e, [&](Local vertex, Local other, double sign) {
       **coupling++ += sign * inverse_mass[vertex] * g.dot(gradient[other]);
     });

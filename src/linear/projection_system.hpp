@@ -6,21 +6,21 @@
 
 namespace taut {
 
-/// The system of one fast-projection iteration, (S + a diag S) mu = C with S = J W J^T [G07 eq. 7, scaled by h^2]: one row
+/// The system of one fast-projection iteration, (S + diag a) mu = b with S = J W J^T [G07 eq. 7, scaled by h^2]: one row
 /// per constrained edge, J the constraint gradients, W the inverse vertex masses. Its pattern never changes; it is assembled
 /// straight from the edges, every rank its own rows, without communication.
 ///
 /// PETSc prefix `-projection_`. `cg` uses the preconditioner `yarn`; `mumps` factorises.
 class ProjectionSystem {
  public:
-  /// `mesh` must outlive the system. `compliance` is a, relative to the diagonal. Collective.
-  ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options, double compliance);
+  /// `mesh` must outlive the system. Collective.
+  ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options);
   ~ProjectionSystem();
 
   /// `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its first), for all local edges;
-  /// `inverse_mass` is 0 at vertices that may not move, for all local vertices. An edge between two such
-  /// vertices gets the row "mu = right-hand side / scale": give it 0. Collective.
-  void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass);
+  /// `inverse_mass` is 0 at vertices that may not move, for all local vertices; `shift` is a, for owned edges. An edge between
+  /// two vertices that may not move gets the row mu = b: give it 0. Collective.
+  void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass, std::span<const double> shift);
 
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural norm.
   /// `rhs` holds owned edges. Collective.
@@ -30,7 +30,6 @@ class ProjectionSystem {
   struct Petsc;
   const DistributedMesh& mesh_;
   int max_iterations_;
-  double compliance_;
   std::unique_ptr<Petsc> petsc_;
 };
 

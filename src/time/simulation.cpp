@@ -30,8 +30,11 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
 
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Case& input) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
+  double mass = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
+  const double weight = sum_over(cloth.mesh.comm, mass) * input.gravity.norm();
   if (input.inextensibility.method == config::InextensibilityMethod::fast_projection)
-    filters.push_back(std::make_unique<FastProjection>(cloth, input.inextensibility));
+    filters.push_back(std::make_unique<FastProjection>(cloth, input.inextensibility, weight));
   return filters;
 }
 
