@@ -38,8 +38,8 @@ Complaint check_offsets(std::span<const Global> offsets, Slab cells, Global corn
   return std::nullopt;
 }
 
-Complaint check_cell(const Cell& cell, Global number, Global vertices) {
-  const auto used = std::span(cell.vertices).first(cell.size());
+/// `used` are the vertices of the cell as the file has them, so that a negative one is not taken for an unused place.
+Complaint check_cell(std::span<const Global> used, Global number, Global vertices) {
   for (auto v = used.begin(); v != used.end(); ++v) {
     if (*v < 0 || *v >= vertices)
       return fmt::format("cell {} names vertex {}, but vertices go from 0 to {}", number, *v, vertices - 1);
@@ -95,9 +95,9 @@ private:
     Complaint complaint;
     mesh.cell.resize(mesh.cells.count);
     for (Global c = 0; c < mesh.cells.count; ++c) {
-      std::copy(faces.begin() + (offsets[c] - offsets[0]), faces.begin() + (offsets[c + 1] - offsets[0]),
-                mesh.cell[c].vertices.begin());
-      if (!complaint) complaint = check_cell(mesh.cell[c], mesh.cells.first + c, mesh.vertices.total);
+      const auto used = std::span(faces).subspan(offsets[c] - offsets[0], offsets[c + 1] - offsets[c]);
+      std::ranges::copy(used, mesh.cell[c].vertices.begin());
+      if (!complaint) complaint = check_cell(used, mesh.cells.first + c, mesh.vertices.total);
     }
     agree_on(faces_name, complaint);
   }

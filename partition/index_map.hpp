@@ -73,6 +73,7 @@ class OriginalOrder {
   std::vector<T> to_slab(std::span<const T> values) const {
     std::vector<T> rows(slab_.count);
     plan_.forward<T>(values, rows);
+    plan_.release_buffers();
     return rows;
   }
 
@@ -80,6 +81,7 @@ class OriginalOrder {
   template <class T>
   void from_slab(std::span<const T> rows, std::span<T> values) const {
     plan_.reverse<T>(rows, values);
+    plan_.release_buffers();
   }
 
  private:

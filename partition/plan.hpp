@@ -53,6 +53,12 @@ class Plan {
     for (std::size_t i = 0; i < send_index_.size(); ++i) target[send_index_[i]] += in[i];
   }
 
+  /// Gives back the memory of the messages, for a plan that is used rarely.
+  void release_buffers() const {
+    out_ = {};
+    in_ = {};
+  }
+
   int neighbours() const { return int(receive_.ranks.size()); }
   std::size_t sent() const { return send_index_.size(); }
 

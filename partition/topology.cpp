@@ -1,6 +1,6 @@
 #include "partition/topology.hpp"
 
-#include "partition/fetch.hpp"
+#include "partition/mesh_check.hpp"
 
 #include <fmt/format.h>
 
@@ -25,10 +25,6 @@ struct Edge {
   Global number; ///< among the constrained edges, -1 if not one of them
   std::array<Global, 2> cells;
 };
-
-std::string place(const MeshSlab& mesh, Global line) {
-  return line > 0 ? fmt::format("{}:{}", mesh.name, line) : mesh.name;
-}
 
 std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
   std::vector<CellSide> sides;
@@ -91,30 +87,6 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
   return edges;
 }
 
-void check_lengths(MPI_Comm comm, const MeshSlab& mesh, std::span<const Edge> edges) {
-  struct Placed {
-    Vec3 position;
-    Global line;
-  };
-  std::vector<Placed> placed(mesh.rest_positions.size());
-  for (std::size_t i = 0; i < placed.size(); ++i)
-    placed[i] = {mesh.rest_positions[i], mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[i]};
-  std::vector<Global> ends;
-  for (const Edge& e : edges) ends.push_back(e.high);
-  const auto high = fetch<Placed>(comm, mesh.vertices, placed, ends);
-
-  std::optional<std::string> fault;
-  for (std::size_t i = 0; i < edges.size() && !fault; ++i) {
-    const Placed& low = placed[edges[i].low - mesh.vertices.first];
-    if ((low.position - high[i].position).norm() > 0) continue;
-    fault = fmt::format("{}: vertex {} lies exactly on vertex {}{}, with which it shares an edge: the edge has zero "
-                        "length; merge the two vertices",
-                        place(mesh, high[i].line), edges[i].high + 1, edges[i].low + 1,
-                        low.line > 0 ? fmt::format(" (line {})", low.line) : "");
-  }
-  agree(comm, fault);
-}
-
 std::vector<Spoke> collect_spokes(MPI_Comm comm, const MeshSlab& mesh, std::span<const Edge> edges) {
   std::vector<Spoke> spokes;
   std::vector<int> to;
@@ -160,10 +132,10 @@ void append_triples(std::span<const Spoke> star, std::vector<YarnTriple>& triple
 
 Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
   Topology topology;
+  check_cells(comm, mesh);
   {
     const auto sides = collect_sides(comm, mesh);
     const auto edges = edges_from(comm, mesh, sides, topology.constrained_edges);
-    check_lengths(comm, mesh, edges);
     topology.spokes = collect_spokes(comm, mesh, edges);
   }
   std::optional<std::string> fault;

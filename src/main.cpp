@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 
 namespace {
@@ -29,13 +30,27 @@ options or output folder; 3 no acceptable step could be found.)";
 
 /// The command line, cut at "--".
 struct Arguments {
-  std::vector<std::string> own, petsc;
+  std::vector<const char*> own; ///< the program's name first
+  std::vector<std::string> petsc;
 };
 
 Arguments split(int argc, char** argv) {
-  const std::vector<std::string> all(argv + 1, argv + argc);
-  const auto cut = std::find(all.begin(), all.end(), "--");
-  return {{all.begin(), cut}, {cut == all.end() ? cut : cut + 1, all.end()}};
+  char** const end = argv + argc;
+  char** const cut = std::find_if(argv, end, [](const char* word) { return std::string_view(word) == "--"; });
+  return {{argv, cut}, {cut == end ? end : cut + 1, end}};
+}
+
+/// PETSc passes over words that belong to no option; a user should hear of them.
+void check_petsc_words(const std::vector<std::string>& words) {
+  bool value_may_follow = false;
+  for (const std::string& word : words) {
+    const bool is_option = word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+    if (!is_option && !value_may_follow)
+      throw InputError(fmt::format("'{}' behind --: what stands there are PETSc options, such as "
+                                   "-projection_ksp_monitor",
+                                   word));
+    value_may_follow = is_option;
+  }
 }
 
 Override parse_override(const std::string& text) {
@@ -77,9 +92,10 @@ class CommandLine {
   }
 
   int execute(MPI_Comm comm, const Arguments& arguments) {
-    std::vector<std::string> reversed(arguments.own.rbegin(), arguments.own.rend()); // as CLI11 wants them
+    check_command(arguments);
+    check_petsc_words(arguments.petsc);
     try {
-      app_.parse(reversed);
+      app_.parse(int(arguments.own.size()), arguments.own.data());
     } catch (const CLI::ParseError& e) {
       const int code = rank_of(comm) == 0 ? app_.exit(e) : e.get_exit_code();
       return code == 0 ? success : input_error;
@@ -93,6 +109,16 @@ class CommandLine {
   }
 
  private:
+  /// CLI11 would only say that a command is missing.
+  void check_command(const Arguments& arguments) const {
+    if (arguments.own.size() < 2 || arguments.own[1][0] == '-') return;
+    const std::string word = arguments.own[1];
+    for (const CLI::App* command : app_.get_subcommands(nullptr))
+      if (command->get_name() == word) return;
+    throw InputError(fmt::format("there is no command '{}'; commands are run, check, info and schema, see taut --help",
+                                 word));
+  }
+
   static int print(MPI_Comm comm, const std::string& text) {
     if (rank_of(comm) == 0) fmt::print("{}\n", text);
     return success;
@@ -116,6 +142,9 @@ int main(int argc, char** argv) {
   } catch (const InputError& e) { // thrown on all ranks alike
     if (rank == 0) fmt::print(stderr, "taut: {}\n", e.what());
     return input_error;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "taut: rank {}: not enough memory; use more ranks on more machines, or a smaller mesh\n", rank);
+    MPI_Abort(MPI_COMM_WORLD, internal_error);
   } catch (const std::exception& e) { // perhaps on this rank only: the others must not wait for it
     fmt::print(stderr, "taut: rank {}: {}\n", rank, e.what());
     MPI_Abort(MPI_COMM_WORLD, internal_error);

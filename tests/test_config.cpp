@@ -72,7 +72,7 @@ TEST(Config, DefaultsAreThoseOfTheStructs) {
   const Case input = read(grid);
   Case expected;
   expected.name = std::string("x");
-  expected.folder = "cases/x";
+  expected.file = "cases/x/case.yaml";
   expected.cloth.grid = config::Grid{.size = {1, 1}, .vertices = {3, 3}};
   EXPECT_EQ(input, expected);
 }

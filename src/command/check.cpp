@@ -10,8 +10,7 @@ namespace taut::command {
 int check(MPI_Comm comm, const CaseSource& source) {
   const Case input = load_case(comm, source);
   Simulation simulation(comm, input);
-  simulation.rehearse();
-  refuse_unused_petsc_options();
+  try_petsc_options(simulation);
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) == 0)
     fmt::print("{}: the case is sound: {} vertices, {} cells, {} constrained edges, {} pinned vertices, {} frames\n",

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/config/case.hpp"
 #include "src/time/progress.hpp"
+#include "src/time/simulation.hpp"
 
 #include <mpi.h>
 
@@ -35,7 +36,7 @@ int info(MPI_Comm comm, const std::filesystem::path& path);
 /// Reads the case file on rank 0 and shares it. Throws InputError.
 Case load_case(MPI_Comm comm, const CaseSource& source);
 
-/// Throws InputError if PETSc was given options that no solver asked for. Call it when the solvers are set up.
-void refuse_unused_petsc_options();
+/// Tries a step that is thrown away; throws InputError if PETSc was given options that it refuses or that no solver asked for.
+void try_petsc_options(Simulation& simulation);
 
 } // namespace taut::command

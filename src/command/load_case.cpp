@@ -24,7 +24,8 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
   return read_case(text, file, source.overrides);
 }
 
-void refuse_unused_petsc_options() {
+void try_petsc_options(Simulation& simulation) {
+  simulation.rehearse();
   const std::string unused = unused_petsc_options();
   if (!unused.empty())
     throw InputError(fmt::format("PETSc option {}: no solver of this case knows it; options start with -velocity_ or "

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace taut::command {
@@ -15,18 +16,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array files_of_a_run{"case.yaml",  "mesh.h5",    "frames",     "frames.xdmf",
-                                    "edges.xdmf", "steps.csv", "summary.json", "checkpoint"};
+constexpr std::array results{"mesh.h5", "frames.xdmf", "edges.xdmf", "steps.csv", "summary.json"};
+
+bool holds_run(const fs::path& out) {
+  return std::any_of(results.begin(), results.end(), [&](const char* file) { return fs::exists(out / file); });
+}
+
+/// Removes what a run wrote and nothing else.
+void remove_run(const fs::path& out) {
+  for (const char* file : results) fs::remove(out / file);
+  fs::remove(out / "case.yaml");
+  if (!fs::is_directory(out / "frames")) return;
+  for (const auto& entry : fs::directory_iterator(out / "frames"))
+    if (entry.path().filename().string().starts_with("frame_")) fs::remove(entry.path());
+}
 
 /// Makes the folder ready for a new run, on rank 0.
-void prepare(const fs::path& out, ExistingRun existing) {
-  for (const char* file : files_of_a_run) {
-    if (!fs::exists(out / file)) continue;
+void prepare(const fs::path& out, const fs::path& case_file, ExistingRun existing) {
+  if (fs::exists(out) && fs::equivalent(out, fs::absolute(case_file).parent_path()))
+    throw InputError(fmt::format("{}: the case file lies in this folder and would be replaced by the case as run; choose "
+                                 "another folder with --out",
+                                 out.string()));
+  if (holds_run(out)) {
     if (existing == ExistingRun::refuse)
       throw InputError(fmt::format("{}: this folder holds a run already; choose another with --out, or give "
                                    "--overwrite to replace that run",
                                    out.string()));
-    fs::remove_all(out / file);
+    remove_run(out);
   }
   fs::create_directories(out / "frames");
 }
@@ -35,7 +51,7 @@ fs::path output_folder(MPI_Comm comm, const RunOptions& options, const Case& inp
   const fs::path out = options.out.empty() ? fs::path("out") / input.name : options.out;
   broadcast(comm, [&] {
     try {
-      prepare(out, options.existing);
+      prepare(out, input.file, options.existing);
     } catch (const fs::filesystem_error& e) {
       throw InputError(fmt::format("{}: cannot be written: {}; choose another folder with --out", out.string(),
                                    e.code().message()));
@@ -48,7 +64,7 @@ fs::path output_folder(MPI_Comm comm, const RunOptions& options, const Case& inp
 /// The case as run, to be run again from anywhere.
 std::string case_as_run(Case input) {
   for (auto* path : {&input.cloth.mesh, &input.cloth.start.shape})
-    if (*path) *path = fs::absolute(input.folder / **path).lexically_normal();
+    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
   return write_case(input);
 }
 
@@ -75,10 +91,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
   const double began = MPI_Wtime();
   const Case input = load_case(comm, options.source);
   Simulation simulation(comm, input);
-  if (options.source.has_petsc_options) {
-    simulation.rehearse();
-    refuse_unused_petsc_options();
-  }
+  if (options.source.has_petsc_options) try_petsc_options(simulation);
   const fs::path out = output_folder(comm, options, input);
   write_text_whole(comm, out / "case.yaml", case_as_run(input));
   announce(comm, simulation, input, out);

@@ -76,7 +76,7 @@ struct Material {
 struct Cloth {
   std::optional<Grid> grid; ///< exactly one of grid, line and mesh is there
   std::optional<Line> line;
-  std::optional<std::filesystem::path> mesh; ///< as written: relative to `Case::folder`
+  std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
   double scale = 1;                          ///< m per unit of the mesh and of `start.shape`
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
@@ -182,7 +182,8 @@ struct Case {
   config::Partition partition;
   config::Output output;
 
-  std::filesystem::path folder; ///< not a key: the folder of the case file; empty is the working folder
+  std::filesystem::path file; ///< not a key: the case file, for messages and for the paths in it
+  std::filesystem::path folder() const { return file.parent_path(); } ///< empty is the working folder
   bool operator==(const Case&) const = default;
 };
 
@@ -192,7 +193,7 @@ struct Override {
   std::string value;
 };
 
-/// Reads a case from YAML text; `file_name` names it in messages and gives `folder` and the default of
+/// Reads a case from YAML text; `file_name` names it in messages, gives `file` and the default of
 /// `name`. Overrides are applied in order. An override that adds `cloth.mesh` takes the place of a
 /// `cloth.grid` in the file (likewise for all keys of which exactly one is to be given). Throws `InputError`
 /// for the first mistake found: "file:line:column: ...", or "--set key=value: ...".

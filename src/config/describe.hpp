@@ -173,6 +173,8 @@ void describe(V& v, Is<Time> auto& t) {
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});
   v.check("min_step", t.min_step <= t.max_step,
           fmt::format("{} is above max_step, {}; make it smaller", t.min_step, t.max_step));
+  v.check("frame_rate", t.frame_rate * t.min_step <= 1, "frames come faster than min_step allows steps; lower it");
+  v.check("end", t.end >= t.min_step, "is less than min_step, one step; make it larger");
 }
 
 template<class V>
@@ -220,7 +222,7 @@ void describe(V& v, Is<Case> auto& c) {
   v("inextensibility", c.inextensibility, {.meaning = "what keeps the cloth from stretching"});
   v("partition", c.partition, {.meaning = "distribution over the ranks"});
   v("output", c.output, {.meaning = "what is written"});
-  v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos,
+  v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
           "must be a word without '/'; it names a folder");
 }
 

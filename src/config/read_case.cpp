@@ -92,7 +92,7 @@ Case read_case(const std::string& text, const std::string& file_name, std::span<
   const std::filesystem::path file(file_name);
   Case input;
   input.name = default_name(file);
-  input.folder = file.parent_path();
+  input.file = file;
   input.cloth.material = initial_material(root);
   const Key whole;
   read(Spot{root, "", whole}, input);

@@ -18,8 +18,12 @@ struct SplitRows {
     std::vector<double> values;
   };
   Part own, ghost;
-  std::vector<double*> coupling; ///< of each row: the star of its first vertex, then of its second, without itself
-  std::vector<double*> diagonal;
+  /// Of each row: the star of its first vertex, then of its second, without itself. A place in `own.values`, or if
+  /// negative, -1 - a place in `ghost.values`.
+  std::vector<PetscInt> coupling;
+  std::vector<PetscInt> diagonal;
+
+  double& value(PetscInt place) { return place >= 0 ? own.values[place] : ghost.values[-1 - place]; }
 };
 
 PetscInt checked(Global number) {
@@ -53,9 +57,9 @@ void append_row(const DistributedMesh& mesh, Local edge, SplitRows& rows) {
   append(ghost, rows.ghost);
 }
 
-double* place_in(SplitRows::Part& part, Local row, PetscInt column) {
+PetscInt place_in(const SplitRows::Part& part, Local row, PetscInt column) {
   const auto begin = part.columns.begin() + part.offsets[row], end = part.columns.begin() + part.offsets[row + 1];
-  return part.values.data() + (std::lower_bound(begin, end, column) - part.columns.begin());
+  return PetscInt(std::lower_bound(begin, end, column) - part.columns.begin());
 }
 
 SplitRows pattern_of(const DistributedMesh& mesh) {
@@ -67,15 +71,15 @@ SplitRows pattern_of(const DistributedMesh& mesh) {
     rows.diagonal.push_back(place_in(rows.own, e, e));
     for_each_coupling(mesh, e, [&](Local, Local other, double) {
       rows.coupling.push_back(mesh.owns_edge(other) ? place_in(rows.own, e, other)
-                                                    : place_in(rows.ghost, e, PetscInt(mesh.edges.global(other))));
+                                                    : -1 - place_in(rows.ghost, e, PetscInt(mesh.edges.global(other))));
     });
   }
   return rows;
 }
 
-/// The yarn links of the pattern: the coupling of each owned edge to its predecessor, null where a yarn starts.
-std::vector<const double*> links_of(const DistributedMesh& mesh, SplitRows& rows) {
-  std::vector<const double*> links(mesh.edges.owned, nullptr);
+/// The yarn links of the pattern: the coupling of each owned edge to its predecessor, -1 where a yarn starts.
+std::vector<PetscInt> links_of(const DistributedMesh& mesh, const SplitRows& rows) {
+  std::vector<PetscInt> links(mesh.edges.owned, -1);
   for (Local e = 0; e < mesh.edges.owned; ++e)
     if (mesh.continues_yarn[e]) links[e] = place_in(rows.own, e, e - 1);
   return links;
@@ -87,15 +91,17 @@ void attach(Mat matrix, YarnTridiagonal* yarns); // yarn_preconditioner.cpp
 
 struct ProjectionSystem::Petsc {
   SplitRows rows;
-  std::vector<const double*> links;
+  std::vector<PetscInt> links;
   YarnTridiagonal yarns;
   OwnedMat matrix;
   OwnedVec rhs, solution;
-  OwnedKsp ksp;
+  LinearSolver solver;
+
+  Petsc(MPI_Comm comm, const SolverOptions& options) : solver(comm, "projection", options, "yarn") {}
 };
 
 ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options)
-    : mesh_(mesh), max_iterations_(options.max_iterations), petsc_(std::make_unique<Petsc>()) {
+    : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh.comm, options)) {
   Petsc& p = *petsc_;
   p.rows = pattern_of(mesh);
   p.links = links_of(mesh, p.rows);
@@ -109,8 +115,7 @@ ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOpti
   check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
   check(MatCreateVecs(p.matrix, p.solution.address(), p.rhs.address()));
   attach(p.matrix, &p.yarns);
-  p.ksp = make_ksp(mesh.comm, "projection", options, "yarn");
-  check(KSPSetOperators(p.ksp, p.matrix, p.matrix));
+  check(KSPSetOperators(p.solver, p.matrix, p.matrix));
 }
 
 ProjectionSystem::~ProjectionSystem() = default;
@@ -125,12 +130,12 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
     const auto& [a, b] = mesh_.edge_vertices[e];
     const Vec3& g = gradient[e];
     const double mobility = inverse_mass[a] + inverse_mass[b];
-    *p.rows.diagonal[e] = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
+    p.yarns.diagonal[e] = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
+    p.rows.value(p.rows.diagonal[e]) = p.yarns.diagonal[e];
     for_each_coupling(mesh_, e, [&](Local vertex, Local other, double sign) {
-      **coupling++ += sign * inverse_mass[vertex] * g.dot(gradient[other]);
+      p.rows.value(*coupling++) += sign * inverse_mass[vertex] * g.dot(gradient[other]);
     });
-    p.yarns.diagonal[e] = *p.rows.diagonal[e];
-    p.yarns.to_previous[e] = p.links[e] ? *p.links[e] : 0.0;
+    p.yarns.to_previous[e] = p.links[e] >= 0 ? p.rows.own.values[p.links[e]] : 0.0;
   }
   Mat own = nullptr, ghost = nullptr;
   check(MatMPIAIJGetSeqAIJ(p.matrix, &own, &ghost, nullptr));
@@ -143,7 +148,7 @@ SolveReport ProjectionSystem::solve(std::span<const double> rhs, double toleranc
   check(VecGetArrayWrite(p.rhs, &values));
   std::copy(rhs.begin(), rhs.begin() + mesh_.edges.owned, values);
   check(VecRestoreArrayWrite(p.rhs, &values));
-  const SolveReport report = taut::solve(p.ksp, p.rhs, p.solution, tolerance, max_iterations_);
+  const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
   const double* solved = nullptr;
   check(VecGetArrayRead(p.solution, &solved));
   std::copy(solved, solved + mesh_.edges.owned, mu.begin());

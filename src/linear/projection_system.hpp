@@ -29,7 +29,6 @@ class ProjectionSystem {
  private:
   struct Petsc;
   const DistributedMesh& mesh_;
-  int max_iterations_;
   std::unique_ptr<Petsc> petsc_;
 };
 

@@ -92,11 +92,12 @@ struct VelocitySystem::Petsc {
   Context context;
   OwnedMat shell;
   OwnedVec rhs, solution;
-  OwnedKsp ksp;
+  LinearSolver solver;
   std::unique_ptr<AssembledMatrix> assembled; ///< only where the solver needs one
   std::vector<Vec3> product;                  ///< A v, over local vertices
 
-  explicit Petsc(const DistributedMesh& mesh) : context{FilteredOperator(mesh), {}} {}
+  Petsc(const DistributedMesh& mesh, const SolverOptions& options)
+      : context{FilteredOperator(mesh), {}}, solver(mesh.comm, "velocity", options, PCPBJACOBI) {}
 
   void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, std::span<const Vec3> v, Local owned) {
     matrix.multiply(v, product);
@@ -110,16 +111,15 @@ struct VelocitySystem::Petsc {
 };
 
 VelocitySystem::VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options)
-    : mesh_(mesh), max_iterations_(options.max_iterations), petsc_(std::make_unique<Petsc>(mesh)) {
+    : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh, options)) {
   Petsc& p = *petsc_;
   p.context.inverse_blocks.resize(mesh.vertices.owned);
   p.product.resize(mesh.vertices.size());
   p.shell = make_shell(mesh, p.context);
   check(MatCreateVecs(p.shell, p.solution.address(), p.rhs.address()));
-  p.ksp = make_ksp(mesh.comm, "velocity", options, PCPBJACOBI);
-  if (!works_unassembled(p.ksp)) p.assembled = std::make_unique<AssembledMatrix>(mesh, pattern);
+  if (!works_unassembled(p.solver)) p.assembled = std::make_unique<AssembledMatrix>(mesh, pattern);
   const bool factorises = options.kind == SolverOptions::Kind::mumps;
-  check(KSPSetOperators(p.ksp, factorises ? Mat(*p.assembled) : Mat(p.shell),
+  check(KSPSetOperators(p.solver, factorises ? Mat(*p.assembled) : Mat(p.shell),
                         p.assembled ? Mat(*p.assembled) : Mat(p.shell)));
 }
 
@@ -134,7 +134,7 @@ SolveReport VelocitySystem::solve(const VertexMatrix& matrix, std::span<const Ve
 
   // The change of velocity is solved for, so that "relative" means relative to what the step changes.
   p.start_residual(matrix, rhs, v, mesh_.vertices.owned);
-  const SolveReport report = taut::solve(p.ksp, p.rhs, p.solution, tolerance, max_iterations_);
+  const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
   PetscScalar* values = nullptr;
   check(VecGetArray(p.solution, &values));
   const auto change = as_vectors(values, mesh_.vertices.owned);

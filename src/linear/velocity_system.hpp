@@ -27,7 +27,6 @@ class VelocitySystem {
  private:
   struct Petsc;
   const DistributedMesh& mesh_;
-  int max_iterations_;
   std::unique_ptr<Petsc> petsc_;
 };
 

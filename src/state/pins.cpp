@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace taut {
@@ -68,8 +69,8 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::
     if (inside || std::binary_search(wanted.begin(), wanted.end(), map.original[i])) found.push_back(i);
   }
   if (sum_over(cloth.mesh.comm, Global(found.size())) == 0)
-    throw InputError(fmt::format("{}: no vertex of the cloth starts inside this box; `taut info` on a run, or on the "
-                                 "case, tells the extent of the cloth",
+    throw InputError(fmt::format("{}: no vertex of the cloth starts inside this box; `taut info CASE` tells where the "
+                                 "cloth starts",
                                  key));
   return found;
 }
@@ -85,14 +86,15 @@ Vec3 place_at(const std::vector<config::Keyframe>& motion, const Vec3& start, do
   return apply(between(after[-1], *after, time), start);
 }
 
-Pins::Pins(const Cloth& cloth, const std::vector<config::Pin>& pins, std::span<const Vec3> start) : pins_(pins) {
+Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) : pins_(input.pins) {
   const IndexMap& map = cloth.mesh.vertices;
+  const auto key = [&](std::size_t pin) { return fmt::format("{}: pins.{}", input.file.string(), pin); };
   std::vector<int> pin_of(map.size(), -1);
   std::optional<std::string> fault;
-  for (std::size_t k = 0; k < pins.size(); ++k)
-    for (const Local v : vertices_of(cloth, pins[k], start, fmt::format("pins[{}]", k))) {
+  for (std::size_t k = 0; k < pins_.size(); ++k)
+    for (const Local v : vertices_of(cloth, pins_[k], start, key(k))) {
       if (pin_of[v] >= 0 && pin_of[v] != int(k) && !fault)
-        fault = fmt::format("pins[{}]: vertex {} is held by pins[{}] already; a vertex can belong to one pin only", k,
+        fault = fmt::format("{}: vertex {} is held by pins.{} already; a vertex can belong to one pin only", key(k),
                             map.original[v], pin_of[v]);
       pin_of[v] = int(k);
     }
@@ -104,7 +106,36 @@ Pins::Pins(const Cloth& cloth, const std::vector<config::Pin>& pins, std::span<c
   count_ = sum_over(cloth.mesh.comm, Global(std::count_if(pin_of.begin(), pin_of.begin() + map.owned,
                                                           [](int pin) { return pin >= 0; })));
   if (count_ == map.total)
-    throw InputError(fmt::format("pins: all {} vertices are pinned, so nothing is left to move; pin fewer", count_));
+    throw InputError(fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
+                                 input.file.string(), count_));
+  if (input.inextensibility.method != config::InextensibilityMethod::none) check_edges(cloth, input);
+}
+
+/// Distances between points that move along straight lines are largest at keyframes, so it is enough to look there.
+void Pins::check_edges(const Cloth& cloth, const Case& input) const {
+  std::vector<double> times{0.0};
+  for (const config::Pin& pin : pins_)
+    for (const config::Keyframe& k : pin.motion) times.push_back(k.time);
+  std::vector<const Held*> held_at(cloth.mesh.vertices.size(), nullptr);
+  for (const Held& h : held_) held_at[h.vertex] = &h;
+  const double limit = input.inextensibility.strain;
+  std::optional<std::string> fault;
+  for (Local e = 0; e < cloth.mesh.edges.owned && !fault; ++e) {
+    const Held *a = held_at[cloth.mesh.edge_vertices[e][0]], *b = held_at[cloth.mesh.edge_vertices[e][1]];
+    if (!a || !b) continue;
+    const double released = std::min(pins_[a->pin].release.value_or(HUGE_VAL), pins_[b->pin].release.value_or(HUGE_VAL));
+    for (const double time : times) {
+      const Vec3 d = place_at(pins_[a->pin].motion, a->start, time) - place_at(pins_[b->pin].motion, b->start, time);
+      const double strain = d.norm() / cloth.rest_length[e] - 1.0;
+      if (time >= released || time > input.time.end || std::abs(strain) <= limit) continue;
+      fault = fmt::format("{}: pins.{} and pins.{} hold the two ends of an edge, vertices {} and {}, and bring it to a "
+                          "strain of {:.3g} at {:g} s, beyond the limit {:g}; move them less, or pin only one of the two",
+                          input.file.string(), a->pin, b->pin, cloth.mesh.vertices.original[a->vertex],
+                          cloth.mesh.vertices.original[b->vertex], strain, time, limit);
+      break;
+    }
+  }
+  agree(cloth.mesh.comm, fault);
 }
 
 void Pins::prescribe(const State& state, double dt, std::vector<char>& prescribed,

@@ -6,10 +6,10 @@ namespace taut {
 /// Vertices whose motion is prescribed: at rest, or along keyframes, until they are let go.
 class Pins {
  public:
-  /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError, naming
-  /// `pins[k]`, for a vertex that is not there, a box without vertices, a vertex in two pins, or pins that leave no
-  /// vertex free. Collective.
-  Pins(const Cloth& cloth, const std::vector<config::Pin>& pins, std::span<const Vec3> start);
+  /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError, naming the
+  /// file and `pins.k`, for a vertex that is not there, a box without vertices, a vertex in two pins, pins that leave no
+  /// vertex free, or pins that bring an edge between them over the strain limit. Collective.
+  Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start);
 
   /// For the step from state.time to state.time + dt: marks the vertices that are held (local vertices, ghosts too) and gives
   /// them in `velocities` the velocity that brings them to their place. Not collective.
@@ -23,6 +23,7 @@ class Pins {
     std::size_t pin;
     Vec3 start;
   };
+  void check_edges(const Cloth& cloth, const Case& input) const;
 
   std::vector<config::Pin> pins_;
   std::vector<Held> held_; ///< local vertices

@@ -15,7 +15,7 @@ MeshSlab load_mesh(MPI_Comm comm, const Case& input) {
   const config::Cloth& cloth = input.cloth;
   if (cloth.grid) return make_grid(comm, cloth.grid->size, cloth.grid->vertices);
   if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
-  return read_mesh(comm, input.folder / *cloth.mesh, cloth.scale);
+  return read_mesh(comm, input.folder() / *cloth.mesh, cloth.scale);
 }
 
 void check_inextensibility(const Case& input, const Topology& topology, const std::string& mesh) {
@@ -44,7 +44,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.positions = mesh.rest_positions;
   if (start.shape) {
     const auto rows =
-        read_obj_positions(mesh.comm, input.folder / *start.shape, input.cloth.scale, mesh.vertex_order.slab());
+        read_obj_positions(mesh.comm, input.folder() / *start.shape, input.cloth.scale, mesh.vertex_order.slab());
     mesh.vertex_order.from_slab<Vec3>(rows, state.positions);
     mesh.vertex_halo.update(state.positions);
   }

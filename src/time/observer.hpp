@@ -10,6 +10,12 @@ namespace taut {
 struct PhaseSeconds {
   double velocity = 0;
   double projection = 0;
+
+  PhaseSeconds& operator+=(const PhaseSeconds& other) {
+    velocity += other.velocity;
+    projection += other.projection;
+    return *this;
+  }
 };
 
 /// Joules, over all ranks. `potential` in the order of the forces of the run.
@@ -28,7 +34,7 @@ struct StepRecord {
   Strain strain;
   double depth = 0;            ///< m the lowest point has come down since the start
   Energies energies;
-  PhaseSeconds seconds;
+  PhaseSeconds seconds;        ///< rejected attempts included
 };
 
 /// Watches a run. Observers never change it. All calls are collective.

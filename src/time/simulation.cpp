@@ -56,7 +56,7 @@ class Stopwatch {
 Simulation::Simulation(MPI_Comm comm, const Case& input)
     : comm_(comm), inextensibility_(input.inextensibility),
       down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)), pins_(cloth_, input.pins, state_.positions),
+      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)), pins_(cloth_, input, state_.positions),
       pattern_(cloth_.mesh), forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
       integrator_(cloth_, pattern_, forces_, input.velocity), step_size_(input.time),
       end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
@@ -65,13 +65,15 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
 Outcome Simulation::run(std::span<Observer* const> observers) {
   Outcome outcome;
   for (Observer* o : observers) o->at_start(state_);
-  int rejected = 0; // since the last accepted step
+  int rejected = 0;     // attempts since the last accepted step
+  PhaseSeconds wasted; // on them
   for (Global frame = 1; frame <= step_size_.frames();) {
     const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
     auto [record, failure] = attempt(dt);
     if (!failure.empty()) {
       ++outcome.rejected_steps;
       ++rejected;
+      wasted += record.seconds;
       step_size_.rejected(dt);
       if (!step_size_.exhausted()) continue;
       outcome.reason = fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}", state_.time, dt,
@@ -81,6 +83,7 @@ Outcome Simulation::run(std::span<Observer* const> observers) {
     step_size_.accepted();
     accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt);
     record.rejected = std::exchange(rejected, 0);
+    record.seconds += std::exchange(wasted, {});
     measure(record);
     for (Observer* o : observers) o->after_step(state_, record);
     if (!ends_frame) continue;

@@ -37,8 +37,7 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   iterations_max_ = std::max(iterations_max_, r.iterations);
   strain_max_ = std::max(strain_max_, r.strain.max);
   strain_squares_ += r.strain.rms * r.strain.rms;
-  seconds_.velocity += r.seconds.velocity;
-  seconds_.projection += r.seconds.projection;
+  seconds_ += r.seconds;
   const Cloth& cloth = simulation_.cloth();
   for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
     const double bin = std::ceil(std::abs(strain_of(cloth, state.positions, e)) / input_.inextensibility.strain * bins);

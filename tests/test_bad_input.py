@@ -1,0 +1,306 @@
+#!/usr/bin/env python3
+"""Mistakes a user makes, and what Taut says to them: test_bad_input.py LAUNCHER... PROGRAM
+
+Each mistake ends the program within LIMIT seconds with exit code 2; the message stands on stderr once, however many
+ranks there are, and no file is made, changed or removed.
+"""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import NamedTuple
+
+LIMIT = 5  # s
+COMMAND = []  # what starts the program
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+               "OMPI_MCA_orte_execute_quiet": "1"}
+
+CASE = """\
+name: small
+cloth: {grid: {size: [1, 1], vertices: [5, 5]}}
+pins: [{vertices: [0, 4]}]
+time: {end: 0.02, frame_rate: 100}
+"""
+MESH_CASE = """\
+cloth: {mesh: mesh.obj}
+pins: [{vertices: [0]}]
+time: {end: 0.02, frame_rate: 100}
+"""
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+
+
+class Mistake(NamedTuple):
+    name: str
+    message: str  # all of it
+    case: str = CASE
+    options: tuple = ()
+    files: dict = {}
+    arguments: tuple = ("run", "case.yaml", "--out", "result")
+
+
+def added(name, line, message):
+    """A mistake on the line after the small case."""
+    return Mistake(name, message, CASE + line)
+
+
+def mesh(name, obj, message):
+    return Mistake(name, message, MESH_CASE, files={"mesh.obj": obj})
+
+
+def pinned(name, pins, message):
+    return Mistake(name, message, options=("--set", f"pins={pins}"))
+
+
+def option(name, options, message):
+    return Mistake(name, message, options=tuple(options.split()))
+
+
+def command(name, arguments, message):
+    return Mistake(name, message, arguments=tuple(arguments.split()))
+
+
+MISTAKES = [
+    command("case_missing", "run none.yaml", "taut: none.yaml: cannot be read: No such file or directory"),
+    command("case_is_a_folder", "run .", "taut: .: this is a folder; name the case file in it, e.g. ./case.yaml"),
+    Mistake("case_empty", "taut: case.yaml:1:1: the case is empty; give at least 'cloth'", ""),
+    added("not_yaml", "air: {wind: [1, 0, 0]", "taut: case.yaml:5:1: not YAML: end of map flow not found; check "
+          "indentation, colons, brackets and quotes here"),
+    added("wrong_type", "gravity: down",
+          "taut: case.yaml:5:10: gravity: expected a list of 3 numbers, e.g. [0, 0, 1], found 'down'"),
+    added("wrong_unit", "air: {wind: [1 kg, 0, 0]}", "taut: case.yaml:5:14: air.wind.0: 'kg' is not a unit of speed; "
+          "write metres per second as a number, or e.g. '20 km/h'"),
+    added("out_of_range", "inextensibility: {strain: 0}",
+          "taut: case.yaml:5:27: inextensibility.strain: 0 is out of range; it must be above 0 and below 1"),
+    added("unknown_key", "gravty: [0, 0, 0]", "taut: case.yaml:5:1: unknown key 'gravty' (did you mean 'gravity'?)"),
+    added("unknown_word", "velocity: {solver: mump}", "taut: case.yaml:5:20: velocity.solver: unknown word 'mump' (did "
+          "you mean 'mumps'?); choose one of cg, mumps"),
+    option("unknown_fabric", "--set cloth.fabric=denin", "taut: --set cloth.fabric=denin: cloth.fabric: unknown word "
+           "'denin' (did you mean 'denim'?); choose one of cotton, wool, silk, canvas, denim, polyester, polycotton, "
+           "interlock, ponte"),
+
+    Mistake("mesh_missing", "taut: mesh.obj: no such file, or it may not be read; check its name", MESH_CASE),
+    Mistake("mesh_of_unknown_kind", "taut: cloth.stl: the extension '.stl' is not known; give a mesh file .obj or .h5",
+            MESH_CASE, ("--set", "cloth.mesh=cloth.stl")),
+    mesh("mesh_empty", "", "taut: mesh.obj: no vertices; write one 'v x y z' a line"),
+    mesh("mesh_without_faces", SQUARE,
+         "taut: mesh.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
+    mesh("bad_number", SQUARE + "v 0 0 a\n", "taut: mesh.obj:5: 'a' is not a number; write 'v x y z' with numbers"),
+    mesh("not_a_number", SQUARE + "v 0 nan 0\n",
+         "taut: mesh.obj:5: 'nan' is not a finite number; give every vertex a finite place"),
+    mesh("index_too_high", SQUARE + "f 1 2 3 9\n",
+         "taut: mesh.obj:5: vertex 9 does not exist, the file has 4; correct the number"),
+    mesh("index_zero", SQUARE + "f 1 2 3 0\n", "taut: mesh.obj:5: there is no vertex 0; number the vertices from 1"),
+    mesh("index_too_negative", SQUARE + "f 1 2 3 -9\n",
+         "taut: mesh.obj:5: vertex -9 does not exist, 4 stand before this line; correct the number"),
+    mesh("vertex_twice_in_a_face", SQUARE + "f 1 2 2 4\n",
+         "taut: mesh.obj:5: vertex 2 is used twice; name each vertex of an element once"),
+    mesh("face_of_five", SQUARE + "v 0 2 0\nf 1 2 3 4 5\n",
+         "taut: mesh.obj:6: a face has more than 4 vertices; split it into quads and triangles"),
+    mesh("zero_length_edge", "v 0 0 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "taut: mesh.obj:2: vertex 2 lies "
+         "exactly on vertex 1 (line 1), with which it shares an edge: the edge has zero length; merge the two vertices"),
+    mesh("duplicate_edge", SQUARE + "l 1 2\nl 3 2 1\n",
+         "taut: mesh.obj:6: the edge between vertices 1 and 2 is there twice (also line 5); remove one of them"),
+    mesh("non_manifold", SQUARE + "v 2 0 0\nv 2 1 0\nv 1 0 1\nv 1 1 1\nf 1 2 3 4\nf 2 5 6 3\nf 2 7 8 3\n",
+         "taut: mesh.obj:11: the edge between vertices 2 and 3 has 3 faces (one on line 9): the mesh is non-manifold "
+         "there; a cloth edge has one or two faces, so separate the sheets"),
+    mesh("flipped_face", SQUARE + "v 2 0 0\nv 2 1 0\nf 1 2 3 4\nf 2 3 6 5\n",
+         "taut: mesh.obj:8: this face and the face on line 7 run along the edge between vertices 2 and 3 in the same "
+         "direction: one of them is flipped or doubled; orient all faces alike"),
+    mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
+         "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
+    mesh("triangles_only", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: mesh.obj: no constraint is left: inextensibility acts "
+         "along the edges of quads and lines, and this mesh has triangles only; use a mesh of quads, or "
+         "inextensibility.method: none"),
+    Mistake("shape_of_another_mesh", "taut: shape.obj: it has 4 vertices, the mesh 25; give the vertices of the mesh, in "
+            "the same order, in other places", options=("--set", "cloth.start.shape=shape.obj"),
+            files={"shape.obj": SQUARE}),
+
+    pinned("pin_without_vertex", "[{vertices: [0, 25]}]",
+           "taut: pins[0].vertices: there is no vertex 25: the cloth has 25 vertices, numbered from 0"),
+    pinned("box_without_vertex", "[{box: {min: [5, 5, 5], max: [6, 6, 6]}}]",
+           "taut: pins[0]: no vertex of the cloth starts inside this box; `taut info` on a run, or on the case, tells the "
+           "extent of the cloth"),
+    pinned("vertex_in_two_pins", "[{vertices: [0]}, {near: [[0, 0, 0]]}]",
+           "taut: pins[1]: vertex 0 is held by pins[0] already; a vertex can belong to one pin only"),
+    pinned("all_pinned", "[{box: {min: [0, 0, 0], max: [1, 1, 0]}}]",
+           "taut: pins: all 25 vertices are pinned, so nothing is left to move; pin fewer"),
+
+    option("set_without_value", "--set time.end",
+           "taut: --set time.end: write --set key=value, e.g. --set time.max_step=0.005"),
+    option("set_unknown_key", "--set time.max_stp=1",
+           "taut: --set time.max_stp=1: unknown key 'max_stp' (did you mean 'max_step'?)"),
+    option("set_wrong_type", "--set time.end=soon",
+           "taut: --set time.end=soon: time.end: expected a number in seconds, or e.g. '10 ms', found 'soon'"),
+    option("petsc_option_unknown", "-- -projection_nonsense 1",
+           "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
+           "-projection_ (e.g. -projection_ksp_monitor)"),
+    option("option_unknown", "--nonsense",
+           "The following argument was not expected: --nonsense\nRun with --help for more information."),
+    command("no_command", "", "A subcommand is required\nRun with --help for more information."),
+    command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
+
+    Mistake("output_below_a_file", "taut: case.yaml/result: cannot be written: Not a directory; choose another folder "
+            "with --out", arguments=("run", "case.yaml", "--out", "case.yaml/result")),
+    Mistake("output_holds_a_run", "taut: result: this folder holds a run already; choose another with --out, or give "
+            "--overwrite to replace that run", files={"result/summary.json": "{}\n", "result/mesh.h5": "old\n"}),
+]
+
+
+def contents(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() if p.is_file() else None for p in folder.rglob("*")}
+
+
+def put(folder, files):
+    for name, text in files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(text)
+
+
+def run(folder, arguments, limit=LIMIT):
+    """Exit code and stderr. What takes longer than the limit is ended, with all ranks, and fails the test."""
+    process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        stderr = process.communicate(timeout=limit)[1]
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGTERM)
+        process.communicate()
+        raise AssertionError(f"no end after {limit} s: {' '.join(arguments)}") from None
+    return process.returncode, stderr.strip()
+
+
+class Folder(unittest.TestCase):
+    """A test in a folder of its own, which holds the small case."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        put(self.folder, {"case.yaml": CASE})
+
+    def run_case(self, *options, limit=LIMIT):
+        return run(self.folder, ("run", "case.yaml", "--out", "result", *options), limit)
+
+    def summary(self):
+        return json.loads((self.folder / "result/summary.json").read_text())
+
+
+class Refused(Folder):
+    """One test for each of MISTAKES, see the end of this file."""
+
+    def check(self, mistake):
+        put(self.folder, {"case.yaml": mistake.case, **mistake.files})
+        before = contents(self.folder)
+        code, stderr = run(self.folder, (*mistake.arguments, *mistake.options))
+        self.assertEqual(stderr, mistake.message)
+        self.assertEqual(code, 2)
+        self.assertEqual(contents(self.folder), before)
+
+
+class Output(Folder):
+    def test_overwrite_replaces_the_run_and_nothing_else(self):
+        self.assertEqual(self.run_case(), (0, ""))
+        put(self.folder, {"result/notes.txt": "mine\n", "result/steps.csv": "old\n"})
+        self.assertEqual(self.run_case("--overwrite", "--set", "time.end=0.01"), (0, ""))
+        self.assertEqual(self.summary()["end_time"], 0.01)
+        self.assertEqual(len(list((self.folder / "result/frames").iterdir())), 2)
+        self.assertNotIn("old", (self.folder / "result/steps.csv").read_text())
+        self.assertEqual((self.folder / "result/notes.txt").read_text(), "mine\n")
+
+    def test_overwrite_spares_the_case(self):
+        put(self.folder, {"case.yaml": "# how I found these values\n" + CASE})
+        before = contents(self.folder)
+        code, stderr = run(self.folder, ("run", "case.yaml", "--out", ".", "--overwrite"))
+        self.assertEqual(code, 2, stderr)
+        self.assertEqual(stderr.count("taut:"), 1)
+        self.assertEqual(contents(self.folder), before)
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
+    def test_folder_not_writable(self):
+        (self.folder / "locked").mkdir(mode=0o555)
+        self.assertEqual(run(self.folder, ("run", "case.yaml", "--out", "locked/result")),
+                         (2, "taut: locked/result: cannot be written: Permission denied; choose another folder with "
+                             "--out"))
+
+    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
+    def test_mesh_not_readable(self):
+        put(self.folder, {"case.yaml": MESH_CASE, "mesh.obj": SQUARE + "f 1 2 3 4\n"})
+        (self.folder / "mesh.obj").chmod(0)
+        self.assertEqual(self.run_case(),
+                         (2, "taut: mesh.obj: no such file, or it may not be read; check its name"))
+
+
+class PetscOptions(Folder):
+    def refused(self, *options):
+        code, stderr = self.run_case("--", *options)
+        self.assertEqual(code, 2, stderr)
+        self.assertEqual(stderr.count("taut:"), 1, stderr)
+        self.assertIn(options[-1], stderr)
+        self.assertFalse((self.folder / "result").exists())
+
+    def test_unknown_preconditioner(self):
+        self.refused("-projection_pc_type", "nonsense")
+
+    def test_unknown_solver(self):
+        self.refused("-velocity_ksp_type", "nonsense")
+
+    def test_word_without_dash(self):
+        self.refused("nonsense")
+
+
+class CannotBegin(Folder):
+    """A start that no step can mend is a mistake in the case."""
+
+    def refused(self, *options):
+        code, stderr = self.run_case(*options)
+        self.assertEqual(code, 2, stderr)
+        self.assertEqual(stderr.count("taut:"), 1, stderr)
+        self.assertFalse((self.folder / "result").exists())
+
+    def test_pins_stretch_an_edge(self):
+        self.refused("--set", "pins=[{vertices: [0]}, {vertices: [1], motion: [{time: 0, translate: [0.2, 0, 0]}]}]")
+
+    def test_start_shape_stretched(self):
+        places = "".join(f"v {j} {i} 0\n" for i in range(5) for j in range(5))
+        put(self.folder, {"shape.obj": places})
+        self.refused("--set", "cloth.start.shape=shape.obj")
+
+    def test_face_without_area(self):
+        put(self.folder, {"case.yaml": MESH_CASE, "mesh.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n"})
+        self.refused()
+
+
+class Failure(Folder):
+    """Pins pulled apart beyond the cloth's length: exit code 3, the reason told, what was done before kept."""
+
+    PULL = "pins=[{vertices: [0]}, {vertices: [4], motion: [{time: 0}, {time: 1, translate: [0.2, 0, 0]}]}]"
+
+    def test_step_that_cannot_succeed(self):
+        code, stderr = self.run_case("--set", self.PULL, "--set", "time.end=1", limit=60)
+        self.assertEqual(code, 3, stderr)
+        self.assertEqual(stderr.count("taut:"), 1)
+        summary = self.summary()
+        self.assertEqual(summary["status"], "failed")
+        self.assertIn("strain", summary["reason"])
+        self.assertIn(summary["reason"], stderr)
+        self.assertLess(summary["end_time"], 0.1)  # taut at 5 % of the way
+        frames = sorted(p.name for p in (self.folder / "result/frames").iterdir())
+        self.assertEqual(frames, [f"frame_{k:06}.h5" for k in range(summary["frames"])])
+        self.assertGreater(len(frames), 3)
+        for frame in frames:
+            self.assertEqual((self.folder / "result/frames" / frame).read_bytes()[:8], b"\x89HDF\r\n\x1a\n")
+            self.assertIn(frame, (self.folder / "result/frames.xdmf").read_text())
+
+
+for m in MISTAKES:
+    setattr(Refused, f"test_{m.name}", lambda self, mistake=m: self.check(mistake))
+
+if __name__ == "__main__":
+    COMMAND = [word if not os.path.exists(word) else os.path.abspath(word) for word in sys.argv[1:]]
+    if not COMMAND:
+        sys.exit(__doc__)
+    unittest.main(argv=sys.argv[:1])

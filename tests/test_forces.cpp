@@ -1,0 +1,327 @@
+#include "tests/force_bed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+using namespace taut;
+using namespace taut::test;
+
+namespace {
+
+constexpr unsigned states = 3; // random ones, for every check
+
+// Relative. Central differences of polynomials of degree four over edges of 0.2 m, with a step of 1e-5 m, err
+// by (1e-5/0.2)^2 = 3e-9 through its length and by 1e-16/1e-5 = 1e-11 through rounding.
+constexpr double difference_step = 1e-5; // m
+constexpr double difference_tolerance = 1e-7;
+constexpr double round_off = 1e-13; // relative, of sums of some tens of terms of like size
+
+struct Step {
+  Column rhs;
+  Dense matrix;
+};
+
+/// What a force adds to a step of `dt`, whole. For dt = 1 and without damping: f and K.
+Step step_of(const Bed& bed, MakeForce make, const WholeState& state, double dt) {
+  StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
+  system.start(dt);
+  make(bed)->add_to(system, bed.at(state));
+  return {whole_rhs(bed, system), gather(bed.cloth.mesh, system.matrix())};
+}
+
+Column force_of(const Bed& bed, MakeForce make, const WholeState& state) {
+  StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
+  system.start(1.0);
+  make(bed)->add_to(system, bed.at(state));
+  return whole_rhs(bed, system);
+}
+
+/// Of a function of a state, by all coordinates.
+template<class Function>
+Dense derivative(const Function& function, const WholeState& state) {
+  Dense derivative(function(state).size(), 3 * Global(state.positions.size()));
+  for (Global c = 0; c < derivative.cols(); ++c) {
+    WholeState plus = state, minus = state;
+    plus.positions[c / 3][c % 3] += difference_step;
+    minus.positions[c / 3][c % 3] -= difference_step;
+    derivative.col(c) = (function(plus) - function(minus)) / (2 * difference_step);
+  }
+  return derivative;
+}
+
+Dense hessian_of(const Bed& whole, MakeForce make, const WholeState& state) {
+  return -derivative([&](const WholeState& s) { return force_of(whole, make, s); }, state);
+}
+
+class Numerics : public testing::Test {
+protected:
+  const Bed whole_{serial(mixed_mesh)};
+  const WholeState state_ = random_state(whole_, 0);
+};
+
+using Energy = Numerics;
+using Stiffness = Numerics;
+using StepParts = Numerics;
+
+} // namespace
+
+TEST_F(Energy, HasTheForceAsItsGradient) {
+  for (const MakeForce make : {bending, shear, gravity})
+    for (unsigned seed = 0; seed < states; ++seed) {
+      const auto energy = [&](const WholeState& s) {
+        return Column(Column::Constant(1, make(whole_)->energy(whole_.at(s))));
+      };
+      const WholeState state = random_state(whole_, seed);
+      const Column expected = -derivative(energy, state).transpose();
+      EXPECT_LT(relative_error(force_of(whole_, make, state), expected), difference_tolerance);
+    }
+}
+
+TEST_F(Energy, IsSharedOutOverTheRanks) {
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    for (const MakeForce make : {bending, shear, gravity}) {
+      const double expected = make(whole_)->energy(whole_.at(state_));
+      EXPECT_NEAR(sum_over(world, make(bed)->energy(bed.at(state_))), expected,
+                  round_off * std::abs(expected));
+    }
+  });
+}
+
+TEST_F(Stiffness, OfBendingIsTheHessian) {
+  const Dense expected = hessian_of(whole_, bending, state_);
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    EXPECT_LT(relative_error(step_of(bed, bending, state_, 1.0).matrix, expected), difference_tolerance);
+  });
+}
+
+namespace {
+
+/// A scalar stencil times the unit matrix, added to a whole matrix.
+void add_outer(const std::array<Global, 4>& vertices, const std::array<double, 4>& w, double scale,
+               Dense& all) {
+  for (int a = 0; a < 4; ++a)
+    for (int b = 0; b < 4; ++b)
+      all.block<3, 3>(3 * vertices[a], 3 * vertices[b]) += scale * w[a] * w[b] * Mat3::Identity();
+}
+
+/// The negative half of the Hessian of shear, which is left out: for C > 0 that of n = c_u - c_v, for C < 0
+/// that of n = c_u + c_v, with the factor G A |C| / 2.
+Dense negative_half(const Bed& whole, const WholeState& state) {
+  const DistributedMesh& mesh = whole.cloth.mesh;
+  Dense all = Dense::Zero(3 * mesh.vertices.total, 3 * mesh.vertices.total);
+  for (const LocalCell& cell : mesh.cells) {
+    if (cell.size() != 4) continue;
+    std::array<Vec3, 4> rest, x;
+    std::array<Global, 4> original;
+    for (int k = 0; k < 4; ++k) {
+      original[k] = mesh.vertices.original[cell.vertices[k]];
+      rest[k] = mesh.rest_positions[cell.vertices[k]];
+      x[k] = state.positions[original[k]];
+    }
+    const double area = 0.5 * (rest[2] - rest[0]).cross(rest[3] - rest[1]).norm();
+    const QuadShearStencil s = quad_shear_stencil(rest);
+    const double c = evaluate(s, x).condition;
+    std::array<double, 4> n;
+    for (int k = 0; k < 4; ++k) n[k] = c > 0 ? s.c_u[k] - s.c_v[k] : s.c_u[k] + s.c_v[k];
+    add_outer(original, n, material.shear * area * std::abs(c) / 2, all);
+  }
+  return all;
+}
+
+} // namespace
+
+TEST_F(Stiffness, OfShearIsTheHessianWithoutItsNegativeHalf) {
+  for (unsigned seed = 0; seed < states; ++seed) {
+    const WholeState state = random_state(whole_, seed);
+    const Dense hessian = hessian_of(whole_, shear, state), expected = hessian + negative_half(whole_, state);
+    EXPECT_GT(relative_error(hessian, expected), 0.01); // there is something to leave out
+    on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+      const Bed bed(std::move(mesh));
+      EXPECT_LT(relative_error(step_of(bed, shear, state, 1.0).matrix, expected), difference_tolerance);
+    });
+  }
+}
+
+TEST_F(Stiffness, IsSymmetricAndPositiveSemiDefinite) {
+  for (unsigned seed = 0; seed < states; ++seed)
+    for (const MakeForce make : {bending, shear, damped_shear, drag, tension}) {
+      const Dense k = step_of(whole_, make, random_state(whole_, seed), 1.0).matrix;
+      EXPECT_LT(relative_error(k.transpose(), k), round_off);
+      const Column eigenvalues =
+          Eigen::SelfAdjointEigenSolver<Dense>(k, Eigen::EigenvaluesOnly).eigenvalues();
+      EXPECT_GT(eigenvalues[0], -round_off * eigenvalues[eigenvalues.size() - 1]);
+    }
+}
+
+// A step adds h f on the right and h D + h^2 K on the left.
+TEST_F(StepParts, ScaleWithTheStep) {
+  constexpr double h = 0.013;
+  for (const MakeForce make : {bending, shear, tension, drag}) {
+    const Step one = step_of(whole_, make, state_, 1.0), small = step_of(whole_, make, state_, h);
+    EXPECT_LT(relative_error(small.rhs, h * one.rhs), round_off);
+    EXPECT_LT(relative_error(small.matrix, (make == drag ? h : h * h) * one.matrix), round_off);
+  }
+}
+
+TEST_F(StepParts, DampingOfBendingIsProportionalToItsStiffness) {
+  constexpr double h = 0.013;
+  const Dense k = step_of(whole_, bending, state_, 1.0).matrix;
+  EXPECT_LT(relative_error(step_of(whole_, damped_bending, state_, h).matrix, (h * h + h * beta) * k),
+            round_off);
+}
+
+// D is beta G A dC dC^T, which has no other term, while K has one that vanishes where C does: in the rest
+// shape.
+TEST_F(StepParts, DampingOfShearIsThatOfItsCondition) {
+  constexpr double h = 0.013;
+  const auto damping = [&](const WholeState& s) {
+    return Dense(step_of(whole_, damped_shear, s, h).matrix - step_of(whole_, shear, s, h).matrix);
+  };
+  WholeState doubled = state_, rest = state_;
+  for (Vec3& x : doubled.positions) x *= 2; // and so dC
+  EXPECT_LT(relative_error(damping(doubled), 4 * damping(state_)),
+            100 * round_off); // differences of like numbers
+
+  const DistributedMesh& mesh = whole_.cloth.mesh;
+  for (Local i = 0; i < mesh.vertices.owned; ++i)
+    rest.positions[mesh.vertices.original[i]] = mesh.rest_positions[i];
+  const Dense k = step_of(whole_, shear, rest, 1.0).matrix;
+  EXPECT_LT(relative_error(damping(rest), h * beta * k), 100 * round_off);
+}
+
+TEST(QuadShearStencil, ConditionIsTheCosineBetweenTheYarns) {
+  // A rectangle sheared by an angle a without stretch: w_u . w_v = sin a, 0 at rest.
+  const double a = 0.3, lu = 0.2, lv = 0.5;
+  const Vec3 u(lu, 0, 0), v(lv * std::sin(a), lv * std::cos(a), 0), flat(0, lv, 0), origin(1, 2, 3);
+  const QuadShearStencil s = quad_shear_stencil({origin, origin + u, origin + u + flat, origin + flat});
+  EXPECT_NEAR(s.rest, 0, round_off);
+  EXPECT_NEAR(evaluate(s, {origin, origin + u, origin + u + v, origin + v}).condition, std::sin(a),
+              round_off);
+}
+
+TEST(QuadShearStencil, GradientIsTheDerivativeOfTheCondition) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto noise = random_vectors(8, 0.2, seed);
+    const std::array<Vec3, 4> square{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)};
+    std::array<Vec3, 4> rest, x;
+    for (int k = 0; k < 4; ++k) rest[k] = square[k] + noise[k], x[k] = square[k] + noise[4 + k];
+    const QuadShearStencil s = quad_shear_stencil(rest);
+    EXPECT_NEAR(evaluate(s, rest).condition, 0, round_off);
+    const ShearValue value = evaluate(s, x);
+    for (int k = 0; k < 4; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        auto plus = x, minus = x;
+        plus[k][axis] += difference_step;
+        minus[k][axis] -= difference_step;
+        const double slope =
+            (evaluate(s, plus).condition - evaluate(s, minus).condition) / (2 * difference_step);
+        EXPECT_NEAR(value.gradient[k][axis], slope, difference_tolerance);
+      }
+  }
+}
+
+TEST(Bending, OfACylinderIsHalfBKappaSquaredPerArea) {
+  constexpr double radius = 0.3, height = 0.2;
+  for (const Global around : {40, 80}) { // closed, so that every vertex is bent
+    const Global rows = 4;
+    std::vector<Vec3> points;
+    std::vector<Cell> cells;
+    for (Global i = 0; i < rows * around; ++i) {
+      const double angle = 2 * std::numbers::pi * double(i % around) / double(around);
+      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                          height * double(i / around) / (rows - 1));
+    }
+    for (Global row = 0; row + 1 < rows; ++row)
+      for (Global k = 0; k < around; ++k) {
+        const Global a = row * around + k, b = row * around + (k + 1) % around;
+        cells.push_back({{a, b, b + around, a + around}});
+      }
+    const auto mesh = [&](MPI_Comm comm) { return slab_of_whole(comm, points, cells); };
+    const double edge_over_radius = 2 * std::sin(std::numbers::pi / double(around)); // chord d over R
+    const double expected = material.bending / 2 / (radius * radius) * 2 * std::numbers::pi * radius * height;
+    on_odd_partitions(mesh, [&](DistributedMesh distributed) {
+      const Bed bed(std::move(distributed));
+      const double energy =
+          sum_over(world, bending(bed)->energy({0, 0, bed.cloth.mesh.rest_positions, {}, {}}));
+      // The curvature of three points at chords d on a circle is 1/R exactly; the area of the chords falls
+      // short by (d/R)^2 / 24.
+      EXPECT_NEAR(energy / expected, 1, edge_over_radius * edge_over_radius / 20);
+      EXPECT_NE(energy, 0);
+    });
+  }
+}
+
+TEST_F(Numerics, AirDragFollowsItsFormula) {
+  const IndexMap& map = whole_.cloth.mesh.vertices;
+  Column expected = Column::Zero(3 * map.total), velocities(3 * map.total);
+  for (Global i = 0; i < map.total; ++i) velocities.segment<3>(3 * i) = state_.velocities[i];
+  for (const LocalCell& cell : whole_.cloth.mesh.cells) {
+    const int n = cell.size();
+    if (n == 2) continue;
+    Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero(), area = Vec3::Zero();
+    std::array<Vec3, 4> x;
+    for (int k = 0; k < n; ++k) {
+      const Global v = map.original[cell.vertices[k]];
+      x[k] = state_.positions[v];
+      centre += x[k] / n;
+      velocity += state_.velocities[v] / n;
+    }
+    for (int k = 0; k < n; ++k) area += 0.5 * x[k].cross(x[(k + 1) % n]); // of any closed polygon
+    const Vec3 normal = area.normalized(), along = air.wind.normalized();
+    const double phase =
+        2 * std::numbers::pi * (centre.dot(along) / air.gust.length - state_time / air.gust.period);
+    const double u = (velocity - air.wind - air.gust.speed * std::sin(phase) * along).dot(normal);
+    for (int k = 0; k < n; ++k)
+      expected.segment<3>(3 * map.original[cell.vertices[k]]) -=
+          air.density * air.drag * area.norm() / 2 * std::abs(u) * u * normal / n;
+  }
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    const Step step = step_of(bed, drag, state_, 1.0); // f(v) = f(0) - D v
+    EXPECT_LT(relative_error(step.rhs - step.matrix * velocities, expected), round_off);
+  });
+}
+
+TEST_F(Numerics, CarriedTensionIsALaplacian) {
+  const DistributedMesh& mesh = whole_.cloth.mesh;
+  const Global n = mesh.vertices.total;
+  Dense expected = Dense::Zero(3 * n, 3 * n);
+  for (Local e = 0; e < mesh.edges.owned; ++e) {
+    const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]];
+    const Global b = mesh.vertices.original[mesh.edge_vertices[e][1]];
+    const double q = std::max(0.0, state_.force_density[mesh.edges.original[e]]);
+    for (int k = 0; k < 3; ++k) {
+      const Column ends = Column::Unit(3 * n, 3 * a + k) - Column::Unit(3 * n, 3 * b + k);
+      expected += q * ends * ends.transpose();
+    }
+  }
+  Column x(3 * n);
+  for (Global i = 0; i < n; ++i) x.segment<3>(3 * i) = state_.positions[i];
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh distributed) {
+    const Bed bed(std::move(distributed));
+    const Step step = step_of(bed, tension, state_, 1.0);
+    EXPECT_LT(relative_error(step.matrix, expected), round_off);
+    EXPECT_LT(relative_error(step.rhs, -expected * x), round_off);
+  });
+}
+
+TEST(Gravity, BearsTheWholeWeightOnce) {
+  constexpr double area = 0.8 * 0.6;
+  const auto grid = [](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {9, 7}); };
+  on_odd_partitions(grid, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    const State rest{0, 0, bed.cloth.mesh.rest_positions, {}, {}};
+    StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
+    system.start(1.0);
+    gravity(bed)->add_to(system, rest);
+    const Column force = whole_rhs(bed, system);
+    const Vec3 weight = material.density * area * oblique_gravity;
+    EXPECT_LT((force.reshaped(3, force.size() / 3).rowwise().sum() - weight).norm(),
+              round_off * weight.norm());
+    const double energy = sum_over(world, gravity(bed)->energy(rest));
+    EXPECT_NEAR(energy, -weight.dot(Vec3(0.4, 0.3, 0)), round_off * weight.norm());
+  });
+}
