@@ -38,7 +38,8 @@ Complaint check_offsets(std::span<const Global> offsets, Slab cells, Global corn
   return std::nullopt;
 }
 
-/// `used` are the vertices of the cell as the file has them, so that a negative one is not taken for an unused place.
+/// `used` are the vertices of the cell as the file has them, so that a negative one is not taken for an
+/// unused place.
 Complaint check_cell(std::span<const Global> used, Global number, Global vertices) {
   for (auto v = used.begin(); v != used.end(); ++v) {
     if (*v < 0 || *v >= vertices)

@@ -18,7 +18,7 @@ int size_of(MPI_Comm comm) {
 
 namespace {
 
-template <class T>
+template<class T>
 T reduce(MPI_Comm comm, T value, MPI_Datatype type, MPI_Op op) {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, type, op, comm);
   return value;

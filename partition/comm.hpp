@@ -36,7 +36,7 @@ void agree(MPI_Comm comm, const std::optional<std::string>& error);
 
 /// Runs `function` on rank 0 only and shares the outcome: its text, or its `InputError`, reaches all ranks.
 /// The one way to do something on a single rank that may fail.
-template <class Function>
+template<class Function>
 std::string broadcast(MPI_Comm comm, Function&& function) {
   std::optional<std::string> error;
   std::string text;
@@ -53,7 +53,7 @@ std::string broadcast(MPI_Comm comm, Function&& function) {
 
 /// What `exchange` received: the items of rank 0, then of rank 1, ...; those of rank r are
 /// [offsets[r], offsets[r + 1]).
-template <class T>
+template<class T>
 struct Received {
   std::vector<T> items;
   std::vector<Global> offsets;
@@ -64,9 +64,10 @@ Received<std::byte> exchange_bytes(MPI_Comm comm, std::span<const std::byte> ite
                                    std::span<const int> counts, std::size_t item_size);
 } // namespace detail
 
-/// Personalised exchange: sends `items[i]` to rank `destinations[i]`; the order among the items of one pair of ranks is
-/// kept. For set-up only: it costs one message a pair of ranks that have something to say, and O(ranks) memory.
-template <class T>
+/// Personalised exchange: sends `items[i]` to rank `destinations[i]`; the order among the items of one pair
+/// of ranks is kept. For set-up only: it costs one message a pair of ranks that have something to say, and
+/// O(ranks) memory.
+template<class T>
 Received<T> exchange(MPI_Comm comm, std::span<const T> items, std::span<const int> destinations) {
   static_assert(std::is_trivially_copyable_v<T> || std::is_standard_layout_v<T>);
   const int ranks = size_of(comm);
@@ -76,7 +77,8 @@ Received<T> exchange(MPI_Comm comm, std::span<const T> items, std::span<const in
   for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
   std::vector<T> sorted(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) sorted[at[destinations[i]]++] = items[i];
-  const auto bytes = detail::exchange_bytes(comm, std::as_bytes(std::span<const T>(sorted)), counts, sizeof(T));
+  const auto bytes =
+      detail::exchange_bytes(comm, std::as_bytes(std::span<const T>(sorted)), counts, sizeof(T));
   Received<T> received;
   received.items.resize(bytes.items.size() / sizeof(T));
   std::copy(bytes.items.begin(), bytes.items.end(), reinterpret_cast<std::byte*>(received.items.data()));
@@ -84,7 +86,7 @@ Received<T> exchange(MPI_Comm comm, std::span<const T> items, std::span<const in
   return received;
 }
 
-template <class T>
+template<class T>
 Received<T> exchange(MPI_Comm comm, const std::vector<T>& items, const std::vector<int>& destinations) {
   return exchange<T>(comm, std::span<const T>(items), std::span<const int>(destinations));
 }

@@ -27,9 +27,9 @@ struct SentEdge {
 };
 
 /// Sends each entity once to every rank that owns one of its vertices.
-template <class T>
+template<class T>
 class Sender {
- public:
+public:
   void add(const T& item, std::span<const int> owners) {
     ranks_.assign(owners.begin(), owners.end());
     std::sort(ranks_.begin(), ranks_.end());
@@ -41,7 +41,7 @@ class Sender {
   }
   std::vector<T> send(MPI_Comm comm) const { return exchange(comm, items_, to_).items; }
 
- private:
+private:
   std::vector<T> items_;
   std::vector<int> to_, ranks_;
 };
@@ -63,7 +63,8 @@ std::vector<SentVertex> send_vertices(MPI_Comm comm, const MeshSlab& mesh, const
 
 std::vector<SentCell> send_cells(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
   std::vector<Global> wanted;
-  for (const Cell& c : mesh.cell) wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
+  for (const Cell& c : mesh.cell)
+    wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
   const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
   Sender<SentCell> sender;
   std::size_t at = 0;
@@ -90,7 +91,8 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
     around.push_back(owners[v]);
     for (std::size_t i = topology.star[v]; i < topology.star[v + 1]; ++i) {
       const Spoke& s = topology.spokes[i];
-      if (s.edge >= 0) edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour)}, around);
+      if (s.edge >= 0)
+        edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour)}, around);
     }
     for (; triple != topology.triples.end() && triple->centre == mesh.vertices.first + v; ++triple)
       triples.add(*triple, around);
@@ -105,8 +107,9 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
 
 /// Builds the mesh from its parts; holds what is needed only while building.
 class Builder {
- public:
-  Builder(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners) : slab_(slab), owners_(owners) {
+public:
+  Builder(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners)
+      : slab_(slab), owners_(owners) {
     mesh_.comm = comm;
   }
 
@@ -121,7 +124,7 @@ class Builder {
     return std::move(mesh_);
   }
 
- private:
+private:
   void number_vertices(Parts& parts) {
     find_box();
     std::sort(parts.vertices.begin(), parts.vertices.end(), [this](const SentVertex& a, const SentVertex& b) {
@@ -192,7 +195,8 @@ class Builder {
       placed.emplace_back(cell, c.original);
     }
     std::sort(placed.begin(), placed.end(), [this](const auto& a, const auto& b) {
-      return std::pair(place_of(a.first.vertices[0]), a.second) < std::pair(place_of(b.first.vertices[0]), b.second);
+      return std::pair(place_of(a.first.vertices[0]), a.second) <
+             std::pair(place_of(b.first.vertices[0]), b.second);
     });
     for (const auto& [cell, original] : placed) {
       if (mesh_.owns_vertex(cell.vertices[0])) {
@@ -266,7 +270,8 @@ class Builder {
 
   void order_for_files() {
     const std::span<const Global> vertices(mesh_.vertices.original), edges(mesh_.edges.original);
-    mesh_.vertex_order = OriginalOrder(mesh_.comm, mesh_.vertices.total, vertices.first(mesh_.vertices.owned));
+    mesh_.vertex_order =
+        OriginalOrder(mesh_.comm, mesh_.vertices.total, vertices.first(mesh_.vertices.owned));
     mesh_.edge_order = OriginalOrder(mesh_.comm, mesh_.edges.total, edges.first(mesh_.edges.owned));
     mesh_.cell_order = OriginalOrder(mesh_.comm, mesh_.total_cells, mesh_.owned_cell_originals);
   }
@@ -275,7 +280,8 @@ class Builder {
     Global cut = 0;
     for (Local e = 0; e < mesh_.edges.owned; ++e) cut += !mesh_.owns_vertex(mesh_.edge_vertices[e][1]);
     const double mean = double(mesh_.vertices.total) / size_of(mesh_.comm);
-    mesh_.report = {sum_over(mesh_.comm, cut), double(max_over(mesh_.comm, Global(mesh_.vertices.owned))) / mean,
+    mesh_.report = {sum_over(mesh_.comm, cut),
+                    double(max_over(mesh_.comm, Global(mesh_.vertices.owned))) / mean,
                     max_over(mesh_.comm, Global(mesh_.vertices.ghosts()))};
   }
 

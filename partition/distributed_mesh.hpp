@@ -19,34 +19,35 @@ struct EdgeEnd {
 };
 
 struct PartitionReport {
-  Global edge_cut = 0;     ///< constrained edges whose ends have different owners
-  double imbalance = 1.0;  ///< largest number of owned vertices over the mean
-  Global ghosts_max = 0;   ///< ghost vertices of the rank that has most
+  Global edge_cut = 0;    ///< constrained edges whose ends have different owners
+  double imbalance = 1.0; ///< largest number of owned vertices over the mean
+  Global ghosts_max = 0;  ///< ghost vertices of the rank that has most
 };
 
-/// One rank's part of the mesh. A rank stores the star (all neighbours and constrained edges) of every vertex that is
-/// one of its own or a neighbour of one, and every cell and yarn triple that touches one of its own vertices. So it can
-/// assemble all rows of what it owns, of vertices and of edges, without communication.
+/// One rank's part of the mesh. A rank stores the star (all neighbours and constrained edges) of every vertex
+/// that is one of its own or a neighbour of one, and every cell and yarn triple that touches one of its own
+/// vertices. So it can assemble all rows of what it owns, of vertices and of edges, without communication.
 ///
-/// Within a rank, vertices are numbered along a Morton curve through the rest shape and edges yarn by yarn. Cells and triples, and
-/// the edges around a vertex, stand in an order that does not depend on the partition, so that sums over
-/// them are the same to the last bit at any rank count.
+/// Within a rank, vertices are numbered along a Morton curve through the rest shape and edges yarn by yarn.
+/// Cells and triples, and the edges around a vertex, stand in an order that does not depend on the partition,
+/// so that sums over them are the same to the last bit at any rank count.
 struct DistributedMesh {
   MPI_Comm comm = MPI_COMM_NULL;
   IndexMap vertices;
-  IndexMap edges; ///< constrained edges; an edge belongs to the owner of its lower vertex (in original numbers)
+  IndexMap
+      edges; ///< constrained edges; an edge belongs to the owner of its lower vertex (in original numbers)
   Halo vertex_halo;
   Halo edge_halo;
 
-  std::vector<Vec3> rest_positions;                ///< m, of local vertices
-  std::vector<LocalCell> cells;                    ///< local cells
-  std::vector<Local> owned_cells;                  ///< those of `cells` this rank owns: each cell has one owner
-  std::vector<Global> owned_cell_originals;        ///< their original numbers
+  std::vector<Vec3> rest_positions;         ///< m, of local vertices
+  std::vector<LocalCell> cells;             ///< local cells
+  std::vector<Local> owned_cells;           ///< those of `cells` this rank owns: each cell has one owner
+  std::vector<Global> owned_cell_originals; ///< their original numbers
   Global total_cells = 0;
   std::vector<std::array<Local, 2>> edge_vertices; ///< of local edges, lower original number first
-  std::vector<char> continues_yarn;                ///< 1 where owned edge i goes on along the yarn of edge i - 1
-  std::vector<std::array<Local, 3>> triples;       ///< before, centre, after
-  std::vector<std::size_t> star;                   ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
+  std::vector<char> continues_yarn;          ///< 1 where owned edge i goes on along the yarn of edge i - 1
+  std::vector<std::array<Local, 3>> triples; ///< before, centre, after
+  std::vector<std::size_t> star;             ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;
 
   OriginalOrder vertex_order, edge_order, cell_order; ///< to files and back
@@ -59,7 +60,8 @@ struct DistributedMesh {
   bool owns_edge(Local i) const { return i < edges.owned; }
 };
 
-/// Sends every rank its part. `owners` are those of the slab's vertices, as `partition` gives them. Collective.
+/// Sends every rank its part. `owners` are those of the slab's vertices, as `partition` gives them.
+/// Collective.
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                            const std::vector<int>& owners);
 

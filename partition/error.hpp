@@ -7,7 +7,7 @@ namespace taut {
 /// code 2 and this message, which names the place and the cure. Thrown with the same text on every rank of
 /// the communicator (see `broadcast` and `agree` in comm.hpp), so that all ranks leave together.
 class InputError : public std::runtime_error {
- public:
+public:
   using std::runtime_error::runtime_error;
 };
 

@@ -3,10 +3,11 @@
 
 namespace taut {
 
-/// Values of a slab-distributed array at any entities: `values` holds this rank's slab, the result one value for each of
-/// `wanted`, in that order. Collective; for set-up.
-template <class T>
-std::vector<T> fetch(MPI_Comm comm, const Slab& slab, std::span<const T> values, std::span<const Global> wanted) {
+/// Values of a slab-distributed array at any entities: `values` holds this rank's slab, the result one value
+/// for each of `wanted`, in that order. Collective; for set-up.
+template<class T>
+std::vector<T> fetch(MPI_Comm comm, const Slab& slab, std::span<const T> values,
+                     std::span<const Global> wanted) {
   const int ranks = size_of(comm);
   std::vector<int> holder(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i) holder[i] = slab_rank(slab.total, ranks, wanted[i]);

@@ -3,8 +3,9 @@
 
 namespace taut {
 
-/// A rectangle of quads in the plane z = 0: row i, column j is vertex i*nx + j, at (j Lx/(nx-1), i Ly/(ny-1), 0).
-/// Each rank makes its own slab. `vertices` = {nx, ny}, both at least 2; `size` = {Lx, Ly} in metres. Collective.
+/// A rectangle of quads in the plane z = 0: row i, column j is vertex i*nx + j, at (j Lx/(nx-1), i Ly/(ny-1),
+/// 0). Each rank makes its own slab. `vertices` = {nx, ny}, both at least 2; `size` = {Lx, Ly} in metres.
+/// Collective.
 MeshSlab make_grid(MPI_Comm comm, Vec2 size, std::array<int, 2> vertices);
 
 /// A chain of `vertices` - 1 line elements along x, from the origin; `length` in metres. Collective.

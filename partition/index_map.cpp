@@ -9,8 +9,9 @@ namespace {
 
 /// Local numbers of owned entities by their original number.
 class OwnedLookup {
- public:
-  explicit OwnedLookup(std::span<const Global> original) : by_original_(original.size()), original_(original) {
+public:
+  explicit OwnedLookup(std::span<const Global> original)
+      : by_original_(original.size()), original_(original) {
     std::iota(by_original_.begin(), by_original_.end(), 0);
     std::sort(by_original_.begin(), by_original_.end(),
               [&](Local a, Local b) { return original_[a] < original_[b]; });
@@ -22,7 +23,7 @@ class OwnedLookup {
     return *at;
   }
 
- private:
+private:
   std::vector<Local> by_original_;
   std::span<const Global> original_;
 };

@@ -14,16 +14,18 @@ struct Placed {
   Global line;
 };
 
-std::optional<std::string> zero_length(const MeshSlab& mesh, const Cell& cell, std::span<const Placed> corners) {
+std::optional<std::string> zero_length(const MeshSlab& mesh, const Cell& cell,
+                                       std::span<const Placed> corners) {
   const std::size_t n = corners.size();
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t a = k, b = (k + 1) % n;
     if ((corners[a].position - corners[b].position).norm() > 0) continue;
     if (cell.vertices[a] > cell.vertices[b]) std::swap(a, b);
-    return fmt::format("{}: vertex {} lies exactly on vertex {}{}, with which it shares an edge: the edge has zero "
-                       "length; merge the two vertices",
-                       place(mesh, corners[b].line), cell.vertices[b] + 1, cell.vertices[a] + 1,
-                       corners[a].line > 0 ? fmt::format(" (line {})", corners[a].line) : "");
+    return fmt::format(
+        "{}: vertex {} lies exactly on vertex {}{}, with which it shares an edge: the edge has zero "
+        "length; merge the two vertices",
+        place(mesh, corners[b].line), cell.vertices[b] + 1, cell.vertices[a] + 1,
+        corners[a].line > 0 ? fmt::format(" (line {})", corners[a].line) : "");
   }
   return std::nullopt;
 }
@@ -35,10 +37,10 @@ std::optional<std::string> no_area(const MeshSlab& mesh, std::size_t cell, std::
   const Vec3 one = quad ? Vec3(c - a) : Vec3(b - a), two = quad ? Vec3(corners[3].position - b) : Vec3(c - a);
   constexpr double round_off = 1e-10;
   if (one.cross(two).norm() > round_off * (b - a).squaredNorm()) return std::nullopt;
-  return fmt::format("{}: this face (number {}) has no area: its corners lie on one line, or its sides cross; give its "
-                     "corners in order around it",
-                     place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[cell]),
-                     mesh.cells.first + Global(cell) + 1);
+  return fmt::format(
+      "{}: this face (number {}) has no area: its corners lie on one line, or its sides cross; give its "
+      "corners in order around it",
+      place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[cell]), mesh.cells.first + Global(cell) + 1);
 }
 
 } // namespace
@@ -52,7 +54,8 @@ void check_cells(MPI_Comm comm, const MeshSlab& mesh) {
   for (std::size_t i = 0; i < own.size(); ++i)
     own[i] = {mesh.rest_positions[i], mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[i]};
   std::vector<Global> wanted;
-  for (const Cell& c : mesh.cell) wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
+  for (const Cell& c : mesh.cell)
+    wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
   const auto placed = fetch<Placed>(comm, mesh.vertices, own, wanted);
 
   std::optional<std::string> fault;

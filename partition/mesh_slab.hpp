@@ -24,23 +24,25 @@ Slab slab_of(Global total, int ranks, int rank);
 /// The rank whose slab holds entity `i`.
 int slab_rank(Global total, int ranks, Global i);
 
-/// A cell of the mesh: a line element (2 vertices), a triangle (3) or a quad (4), vertices in original numbers,
-/// counter-clockwise; unused places hold -1.
+/// A cell of the mesh: a line element (2 vertices), a triangle (3) or a quad (4), vertices in original
+/// numbers, counter-clockwise; unused places hold -1.
 struct Cell {
   std::array<Global, 4> vertices{-1, -1, -1, -1};
 
   int size() const { return vertices[2] < 0 ? 2 : vertices[3] < 0 ? 3 : 4; }
 };
 
-/// A mesh as read or made: every rank holds one slab of the vertices and one of the cells. No rank holds more.
+/// A mesh as read or made: every rank holds one slab of the vertices and one of the cells. No rank holds
+/// more.
 struct MeshSlab {
-  std::string name = "mesh";         ///< how messages call it: the file, or "grid"
-  Slab vertices;                     ///< which vertices `rest_positions` holds
-  Slab cells;                        ///< which cells `cell` holds
-  std::vector<Vec3> rest_positions;  ///< m
+  std::string name = "mesh";        ///< how messages call it: the file, or "grid"
+  Slab vertices;                    ///< which vertices `rest_positions` holds
+  Slab cells;                       ///< which cells `cell` holds
+  std::vector<Vec3> rest_positions; ///< m
   std::vector<Cell> cell;
-  std::vector<Global> vertex_lines;  ///< line of each vertex in the file it came from; empty if it came from none
-  std::vector<Global> cell_lines;    ///< the same for cells
+  std::vector<Global>
+      vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
+  std::vector<Global> cell_lines; ///< the same for cells
 };
 
 } // namespace taut

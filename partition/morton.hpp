@@ -14,8 +14,8 @@ inline std::uint64_t spread_bits(std::uint64_t v) {
   return v;
 }
 
-/// The place of a point on the Morton curve through the cube with corner `low` and side `side`: near in number means
-/// near in space.
+/// The place of a point on the Morton curve through the cube with corner `low` and side `side`: near in
+/// number means near in space.
 inline std::uint64_t morton_key(const Vec3& point, const Vec3& low, double side) {
   const Vec3 cell = (point - low) / side * double(0x1fffff);
   return spread_bits(std::uint64_t(cell[0])) | spread_bits(std::uint64_t(cell[1])) << 1 |

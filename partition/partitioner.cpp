@@ -30,7 +30,8 @@ std::vector<int> scatter(MPI_Comm comm, const Slab& slab, const std::vector<idx_
     offsets[r] = int(s.first);
   }
   std::vector<int> part(slab.count);
-  MPI_Scatterv(all.data(), counts.data(), offsets.data(), MPI_INT, part.data(), int(slab.count), MPI_INT, 0, comm);
+  MPI_Scatterv(all.data(), counts.data(), offsets.data(), MPI_INT, part.data(), int(slab.count), MPI_INT, 0,
+               comm);
   return part;
 }
 
@@ -43,18 +44,21 @@ std::vector<idx_t> metis_k_way(std::vector<idx_t>& degrees, std::vector<idx_t>& 
   options[METIS_OPTION_SEED] = 1;
   options[METIS_OPTION_UFACTOR] = 10; // at most 1 % over the mean
   const int status =
-      METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr, nullptr,
-                          &parts, nullptr, nullptr, options, &cut, owner.data());
+      METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr,
+                          nullptr, &parts, nullptr, nullptr, options, &cut, owner.data());
   if (status != METIS_OK)
     throw InputError("METIS could not partition the mesh; try partition.method: stripes");
   return owner;
 }
 
-std::vector<int> stripes(MPI_Comm comm, const Slab& slab) { return std::vector<int>(slab.count, rank_of(comm)); }
+std::vector<int> stripes(MPI_Comm comm, const Slab& slab) {
+  return std::vector<int>(slab.count, rank_of(comm));
+}
 
 } // namespace
 
-std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method) {
+std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                           Partitioner method) {
   const int ranks = size_of(comm);
   if (method == Partitioner::stripes || ranks == 1 || ranks >= mesh.vertices.total)
     return stripes(comm, mesh.vertices);
@@ -63,7 +67,8 @@ std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
     throw InputError("the mesh has more edges than METIS can number; try partition.method: stripes");
 
   std::vector<idx_t> degrees(mesh.vertices.count), neighbours(topology.spokes.size());
-  for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = idx_t(topology.star[i + 1] - topology.star[i]);
+  for (std::size_t i = 0; i < degrees.size(); ++i)
+    degrees[i] = idx_t(topology.star[i + 1] - topology.star[i]);
   for (std::size_t i = 0; i < neighbours.size(); ++i) neighbours[i] = idx_t(topology.spokes[i].neighbour);
   degrees = gather(comm, degrees);
   neighbours = gather(comm, neighbours);

@@ -3,34 +3,35 @@
 
 namespace taut {
 
-/// A fixed communication pattern: which of this rank's values go to which neighbour, and where the values of each
-/// neighbour land. Made once, applied many times; one message a pair of neighbours. A part of the pattern may lead from
-/// a rank to itself.
+/// A fixed communication pattern: which of this rank's values go to which neighbour, and where the values of
+/// each neighbour land. Made once, applied many times; one message a pair of neighbours. A part of the
+/// pattern may lead from a rank to itself.
 class Plan {
- public:
+public:
   Plan() = default;
 
-  /// `send_to[i]` is the rank that gets the value at `send_index[i]`. Values from one rank arrive in the order of that
-  /// rank's list; `receive_index` says where each arrival (by rank, then in order) is put. Collective.
+  /// `send_to[i]` is the rank that gets the value at `send_index[i]`. Values from one rank arrive in the
+  /// order of that rank's list; `receive_index` says where each arrival (by rank, then in order) is put.
+  /// Collective.
   Plan(MPI_Comm comm, std::span<const int> send_to, std::span<const Local> send_index,
        std::vector<Local> receive_index);
 
   /// target[receive_index] = source[send_index], over all ranks. Collective over neighbours.
-  template <class T>
+  template<class T>
   void forward(std::span<const T> source, std::span<T> target) const {
     begin_forward(source);
     end_forward(target);
   }
 
   /// The two halves of `forward`: work that needs no arrival may stand between them.
-  template <class T>
+  template<class T>
   void begin_forward(std::span<const T> source) const {
     T* out = buffer<T>(out_, send_index_.size());
     for (std::size_t i = 0; i < send_index_.size(); ++i) out[i] = source[send_index_[i]];
     buffer<T>(in_, receive_index_.size());
     start(send_, receive_, out_, in_, sizeof(T));
   }
-  template <class T>
+  template<class T>
   void end_forward(std::span<T> target) const {
     finish();
     const T* in = reinterpret_cast<const T*>(in_.data());
@@ -38,7 +39,7 @@ class Plan {
   }
 
   /// target[send_index] = source[receive_index]: the same pattern the other way.
-  template <class T>
+  template<class T>
   void reverse(std::span<const T> source, std::span<T> target) const {
     run_reverse(source);
     const T* in = reinterpret_cast<const T*>(in_.data());
@@ -46,7 +47,7 @@ class Plan {
   }
 
   /// target[send_index] += source[receive_index].
-  template <class T>
+  template<class T>
   void reverse_add(std::span<const T> source, std::span<T> target) const {
     run_reverse(source);
     const T* in = reinterpret_cast<const T*>(in_.data());
@@ -62,18 +63,18 @@ class Plan {
   int neighbours() const { return int(receive_.ranks.size()); }
   std::size_t sent() const { return send_index_.size(); }
 
- private:
+private:
   struct Side {
     std::vector<int> ranks;
     std::vector<std::size_t> offsets{0};
   };
 
-  template <class T>
+  template<class T>
   static T* buffer(std::vector<std::byte>& bytes, std::size_t count) {
     bytes.resize(count * sizeof(T));
     return reinterpret_cast<T*>(bytes.data());
   }
-  template <class T>
+  template<class T>
   void run_reverse(std::span<const T> source) const {
     T* out = buffer<T>(out_, receive_index_.size());
     for (std::size_t i = 0; i < receive_index_.size(); ++i) out[i] = source[receive_index_[i]];

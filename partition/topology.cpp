@@ -15,7 +15,7 @@ namespace {
 struct CellSide {
   Global low, high;
   Global cell;
-  Global line;      ///< of the cell in its file, 0 if it came from none
+  Global line; ///< of the cell in its file, 0 if it came from none
   int cell_size;
   int runs_upwards; ///< 1 if the cell runs from low to high along this side
 };
@@ -53,15 +53,18 @@ std::optional<std::string> fault_of(const MeshSlab& mesh, std::span<const CellSi
   const auto edge = fmt::format("the edge between vertices {} and {}", one.low + 1, one.high + 1);
   const auto other = one.line > 0 ? fmt::format("line {}", one.line) : fmt::format("cell {}", one.cell + 1);
   if (one.cell_size == 2 || two.cell_size == 2)
-    return fmt::format("{}: {} is there twice (also {}); remove one of them", place(mesh, two.line), edge, other);
+    return fmt::format("{}: {} is there twice (also {}); remove one of them", place(mesh, two.line), edge,
+                       other);
   if (sides.size() > 2)
-    return fmt::format("{}: {} has {} faces (one on {}): the mesh is non-manifold there; a cloth edge has one or two "
-                       "faces, so separate the sheets",
-                       place(mesh, sides.back().line), edge, sides.size(), other);
+    return fmt::format(
+        "{}: {} has {} faces (one on {}): the mesh is non-manifold there; a cloth edge has one or two "
+        "faces, so separate the sheets",
+        place(mesh, sides.back().line), edge, sides.size(), other);
   if (one.runs_upwards == two.runs_upwards)
-    return fmt::format("{}: this face and the face on {} run along {} in the same direction: one of them is flipped "
-                       "or doubled; orient all faces alike",
-                       place(mesh, two.line), other, edge);
+    return fmt::format(
+        "{}: this face and the face on {} run along {} in the same direction: one of them is flipped "
+        "or doubled; orient all faces alike",
+        place(mesh, two.line), other, edge);
   return std::nullopt;
 }
 
@@ -76,7 +79,9 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
     if (!fault) fault = fault_of(mesh, group);
     const bool is_constrained =
         std::any_of(group.begin(), group.end(), [](const CellSide& s) { return s.cell_size != 3; });
-    edges.push_back({group[0].low, group[0].high, is_constrained ? constrained++ : -1,
+    edges.push_back({group[0].low,
+                     group[0].high,
+                     is_constrained ? constrained++ : -1,
                      {group[0].cell, group.size() > 1 ? group[1].cell : -1}});
   }
   agree(comm, fault);
@@ -143,7 +148,8 @@ Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
   for (Global v = 0; v < mesh.vertices.count; ++v) {
     std::size_t end = topology.star.back();
     while (end < topology.spokes.size() && topology.spokes[end].centre == mesh.vertices.first + v) ++end;
-    const std::span<const Spoke> star(topology.spokes.data() + topology.star.back(), end - topology.star.back());
+    const std::span<const Spoke> star(topology.spokes.data() + topology.star.back(),
+                                      end - topology.star.back());
     if (star.empty() && !fault)
       fault = fmt::format("{}: vertex {} belongs to no face and no line; remove it",
                           place(mesh, mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[v]),

@@ -17,20 +17,20 @@ struct YarnTriple {
   bool operator==(const YarnTriple&) const = default;
 };
 
-/// What follows from the cells of a mesh alone, shared out by the vertex slabs, so that it does not depend on the
-/// partition. Constrained edges are the edges of quads and the line elements; they are numbered by (lower vertex,
-/// higher vertex), lexicographically.
+/// What follows from the cells of a mesh alone, shared out by the vertex slabs, so that it does not depend on
+/// the partition. Constrained edges are the edges of quads and the line elements; they are numbered by (lower
+/// vertex, higher vertex), lexicographically.
 struct Topology {
-  Global constrained_edges = 0;     ///< over all ranks
-  std::vector<Spoke> spokes;        ///< stars of this slab's vertices, sorted by (centre, neighbour)
-  std::vector<std::size_t> star;    ///< the star of slab vertex i is spokes[star[i] .. star[i + 1])
-  std::vector<YarnTriple> triples;  ///< centred at this slab's vertices, by centre
+  Global constrained_edges = 0;    ///< over all ranks
+  std::vector<Spoke> spokes;       ///< stars of this slab's vertices, sorted by (centre, neighbour)
+  std::vector<std::size_t> star;   ///< the star of slab vertex i is spokes[star[i] .. star[i + 1])
+  std::vector<YarnTriple> triples; ///< centred at this slab's vertices, by centre
 };
 
-/// Finds edges, stars and yarn triples, and checks the mesh on the way. Two constrained edges continue one another
-/// through a vertex if they share no cell there and neither has another such partner: opposite edges of a regular
-/// vertex, the two boundary edges of a border vertex, the two lines of a chain.
-/// Throws InputError (naming the file and the line) for a mesh with isolated vertices, edges of zero length, doubled
+/// Finds edges, stars and yarn triples, and checks the mesh on the way. Two constrained edges continue one
+/// another through a vertex if they share no cell there and neither has another such partner: opposite edges
+/// of a regular vertex, the two boundary edges of a border vertex, the two lines of a chain. Throws
+/// InputError (naming the file and the line) for a mesh with isolated vertices, edges of zero length, doubled
 /// edges, more than two faces on an edge, or neighbouring faces of opposite orientation. Collective.
 Topology find_topology(MPI_Comm comm, const MeshSlab& mesh);
 

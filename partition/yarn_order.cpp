@@ -29,7 +29,8 @@ std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local
 
 } // namespace
 
-YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges, std::span<const std::array<Local, 3>> triples) {
+YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
+                        std::span<const std::array<Local, 3>> triples) {
   const auto next = continuations(edges, triples);
   YarnOrder yarns;
   std::vector<char> placed(edges.size(), 0);

@@ -44,7 +44,8 @@ Arguments split(int argc, char** argv) {
 void check_petsc_words(const std::vector<std::string>& words) {
   bool value_may_follow = false;
   for (const std::string& word : words) {
-    const bool is_option = word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
+    const bool is_option =
+        word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
     if (!is_option && !value_may_follow)
       throw InputError(fmt::format("'{}' behind --: what stands there are PETSc options, such as "
                                    "-projection_ksp_monitor",
@@ -60,7 +61,8 @@ Override parse_override(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-/// The bar needs a terminal; mpirun puts something that looks like one between, so there only --progress bar gives it.
+/// The bar needs a terminal; mpirun puts something that looks like one between, so there only --progress bar
+/// gives it.
 ProgressStyle style_of(const std::string& word) {
   const bool under_mpirun = std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMI_RANK");
   const bool bar = word == "bar" || (word == "auto" && !under_mpirun && isatty(STDOUT_FILENO));
@@ -68,7 +70,7 @@ ProgressStyle style_of(const std::string& word) {
 }
 
 class CommandLine {
- public:
+public:
   CommandLine() : app_("Taut - cloth that does not stretch, on many ranks", "taut") {
     app_.require_subcommand(1);
     app_.set_version_flag("--version", std::string("taut ") + TAUT_VERSION);
@@ -105,18 +107,19 @@ class CommandLine {
     CaseSource source{case_, {}, !arguments.petsc.empty()};
     for (const std::string& s : sets_) source.overrides.push_back(parse_override(s));
     if (*check_) return check(comm, source);
-    return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
+    return run(
+        comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
   }
 
- private:
+private:
   /// CLI11 would only say that a command is missing.
   void check_command(const Arguments& arguments) const {
     if (arguments.own.size() < 2 || arguments.own[1][0] == '-') return;
     const std::string word = arguments.own[1];
     for (const CLI::App* command : app_.get_subcommands(nullptr))
       if (command->get_name() == word) return;
-    throw InputError(fmt::format("there is no command '{}'; commands are run, check, info and schema, see taut --help",
-                                 word));
+    throw InputError(fmt::format(
+        "there is no command '{}'; commands are run, check, info and schema, see taut --help", word));
   }
 
   static int print(MPI_Comm comm, const std::string& text) {
@@ -143,7 +146,9 @@ int main(int argc, char** argv) {
     if (rank == 0) fmt::print(stderr, "taut: {}\n", e.what());
     return input_error;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "taut: rank {}: not enough memory; use more ranks on more machines, or a smaller mesh\n", rank);
+    fmt::print(stderr,
+               "taut: rank {}: not enough memory; use more ranks on more machines, or a smaller mesh\n",
+               rank);
     MPI_Abort(MPI_COMM_WORLD, internal_error);
   } catch (const std::exception& e) { // perhaps on this rank only: the others must not wait for it
     fmt::print(stderr, "taut: rank {}: {}\n", rank, e.what());

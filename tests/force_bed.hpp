@@ -7,6 +7,8 @@
 #include "src/forces/shear.hpp"
 #include "tests/support.hpp"
 
+#include <gtest/gtest.h>
+
 #include <memory>
 
 namespace taut::test {
@@ -90,5 +92,27 @@ inline StepSystem full_step(const Bed& bed, const WholeState& whole, double dt) 
 inline Column whole_rhs(const Bed& bed, const StepSystem& system) {
   return gather<Vec3>(bed.cloth.mesh.comm, bed.cloth.mesh.vertices, system.rhs());
 }
+
+struct Step {
+  Column rhs;
+  Dense matrix;
+};
+
+/// What a force adds to a step of `dt`, whole. For dt = 1 and without damping: f and K.
+inline Step step_of(const Bed& bed, MakeForce make, const WholeState& state, double dt) {
+  StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
+  system.start(dt);
+  make(bed)->add_to(system, bed.at(state));
+  return {whole_rhs(bed, system), gather(bed.cloth.mesh, system.matrix())};
+}
+
+/// Relative, of sums of some tens of terms of like size.
+inline constexpr double round_off = 1e-13;
+
+class OnABed : public testing::Test {
+protected:
+  const Bed whole_{serial(mixed_mesh)};
+  const WholeState state_ = random_state(whole_, 0);
+};
 
 } // namespace taut::test

@@ -1,9 +1,5 @@
 #include "tests/force_bed.hpp"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
-
 using namespace taut;
 using namespace taut::test;
 
@@ -15,20 +11,6 @@ constexpr unsigned states = 3; // random ones, for every check
 // by (1e-5/0.2)^2 = 3e-9 through its length and by 1e-16/1e-5 = 1e-11 through rounding.
 constexpr double difference_step = 1e-5; // m
 constexpr double difference_tolerance = 1e-7;
-constexpr double round_off = 1e-13; // relative, of sums of some tens of terms of like size
-
-struct Step {
-  Column rhs;
-  Dense matrix;
-};
-
-/// What a force adds to a step of `dt`, whole. For dt = 1 and without damping: f and K.
-Step step_of(const Bed& bed, MakeForce make, const WholeState& state, double dt) {
-  StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
-  system.start(dt);
-  make(bed)->add_to(system, bed.at(state));
-  return {whole_rhs(bed, system), gather(bed.cloth.mesh, system.matrix())};
-}
 
 Column force_of(const Bed& bed, MakeForce make, const WholeState& state) {
   StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
@@ -54,15 +36,9 @@ Dense hessian_of(const Bed& whole, MakeForce make, const WholeState& state) {
   return -derivative([&](const WholeState& s) { return force_of(whole, make, s); }, state);
 }
 
-class Numerics : public testing::Test {
-protected:
-  const Bed whole_{serial(mixed_mesh)};
-  const WholeState state_ = random_state(whole_, 0);
-};
-
-using Energy = Numerics;
-using Stiffness = Numerics;
-using StepParts = Numerics;
+using Energy = OnABed;
+using Stiffness = OnABed;
+using StepParts = OnABed;
 
 } // namespace
 
@@ -166,6 +142,29 @@ TEST_F(StepParts, ScaleWithTheStep) {
   }
 }
 
+TEST_F(StepParts, AddUpWithInertia) {
+  constexpr double h = 0.013;
+  const Cloth& cloth = whole_.cloth;
+  Dense matrix = Dense::Zero(3 * cloth.mesh.vertices.total, 3 * cloth.mesh.vertices.total);
+  Column rhs = Column::Zero(matrix.rows());
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
+    const Global v = cloth.mesh.vertices.original[i];
+    matrix.block<3, 3>(3 * v, 3 * v) = cloth.mass[i] * Mat3::Identity();
+    rhs.segment<3>(3 * v) = cloth.mass[i] * state_.velocities[v];
+  }
+  for (const MakeForce make : {gravity, damped_bending, damped_shear, drag, tension}) {
+    const Step part = step_of(whole_, make, state_, h);
+    matrix += part.matrix;
+    rhs += part.rhs;
+  }
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    const StepSystem system = full_step(bed, state_, h);
+    EXPECT_LT(relative_error(gather(bed.cloth.mesh, system.matrix()), matrix), round_off);
+    EXPECT_LT(relative_error(whole_rhs(bed, system), rhs), round_off);
+  });
+}
+
 TEST_F(StepParts, DampingOfBendingIsProportionalToItsStiffness) {
   constexpr double h = 0.013;
   const Dense k = step_of(whole_, bending, state_, 1.0).matrix;
@@ -221,107 +220,4 @@ TEST(QuadShearStencil, GradientIsTheDerivativeOfTheCondition) {
         EXPECT_NEAR(value.gradient[k][axis], slope, difference_tolerance);
       }
   }
-}
-
-TEST(Bending, OfACylinderIsHalfBKappaSquaredPerArea) {
-  constexpr double radius = 0.3, height = 0.2;
-  for (const Global around : {40, 80}) { // closed, so that every vertex is bent
-    const Global rows = 4;
-    std::vector<Vec3> points;
-    std::vector<Cell> cells;
-    for (Global i = 0; i < rows * around; ++i) {
-      const double angle = 2 * std::numbers::pi * double(i % around) / double(around);
-      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
-                          height * double(i / around) / (rows - 1));
-    }
-    for (Global row = 0; row + 1 < rows; ++row)
-      for (Global k = 0; k < around; ++k) {
-        const Global a = row * around + k, b = row * around + (k + 1) % around;
-        cells.push_back({{a, b, b + around, a + around}});
-      }
-    const auto mesh = [&](MPI_Comm comm) { return slab_of_whole(comm, points, cells); };
-    const double edge_over_radius = 2 * std::sin(std::numbers::pi / double(around)); // chord d over R
-    const double expected = material.bending / 2 / (radius * radius) * 2 * std::numbers::pi * radius * height;
-    on_odd_partitions(mesh, [&](DistributedMesh distributed) {
-      const Bed bed(std::move(distributed));
-      const double energy =
-          sum_over(world, bending(bed)->energy({0, 0, bed.cloth.mesh.rest_positions, {}, {}}));
-      // The curvature of three points at chords d on a circle is 1/R exactly; the area of the chords falls
-      // short by (d/R)^2 / 24.
-      EXPECT_NEAR(energy / expected, 1, edge_over_radius * edge_over_radius / 20);
-      EXPECT_NE(energy, 0);
-    });
-  }
-}
-
-TEST_F(Numerics, AirDragFollowsItsFormula) {
-  const IndexMap& map = whole_.cloth.mesh.vertices;
-  Column expected = Column::Zero(3 * map.total), velocities(3 * map.total);
-  for (Global i = 0; i < map.total; ++i) velocities.segment<3>(3 * i) = state_.velocities[i];
-  for (const LocalCell& cell : whole_.cloth.mesh.cells) {
-    const int n = cell.size();
-    if (n == 2) continue;
-    Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero(), area = Vec3::Zero();
-    std::array<Vec3, 4> x;
-    for (int k = 0; k < n; ++k) {
-      const Global v = map.original[cell.vertices[k]];
-      x[k] = state_.positions[v];
-      centre += x[k] / n;
-      velocity += state_.velocities[v] / n;
-    }
-    for (int k = 0; k < n; ++k) area += 0.5 * x[k].cross(x[(k + 1) % n]); // of any closed polygon
-    const Vec3 normal = area.normalized(), along = air.wind.normalized();
-    const double phase =
-        2 * std::numbers::pi * (centre.dot(along) / air.gust.length - state_time / air.gust.period);
-    const double u = (velocity - air.wind - air.gust.speed * std::sin(phase) * along).dot(normal);
-    for (int k = 0; k < n; ++k)
-      expected.segment<3>(3 * map.original[cell.vertices[k]]) -=
-          air.density * air.drag * area.norm() / 2 * std::abs(u) * u * normal / n;
-  }
-  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
-    const Bed bed(std::move(mesh));
-    const Step step = step_of(bed, drag, state_, 1.0); // f(v) = f(0) - D v
-    EXPECT_LT(relative_error(step.rhs - step.matrix * velocities, expected), round_off);
-  });
-}
-
-TEST_F(Numerics, CarriedTensionIsALaplacian) {
-  const DistributedMesh& mesh = whole_.cloth.mesh;
-  const Global n = mesh.vertices.total;
-  Dense expected = Dense::Zero(3 * n, 3 * n);
-  for (Local e = 0; e < mesh.edges.owned; ++e) {
-    const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]];
-    const Global b = mesh.vertices.original[mesh.edge_vertices[e][1]];
-    const double q = std::max(0.0, state_.force_density[mesh.edges.original[e]]);
-    for (int k = 0; k < 3; ++k) {
-      const Column ends = Column::Unit(3 * n, 3 * a + k) - Column::Unit(3 * n, 3 * b + k);
-      expected += q * ends * ends.transpose();
-    }
-  }
-  Column x(3 * n);
-  for (Global i = 0; i < n; ++i) x.segment<3>(3 * i) = state_.positions[i];
-  on_odd_partitions(mixed_mesh, [&](DistributedMesh distributed) {
-    const Bed bed(std::move(distributed));
-    const Step step = step_of(bed, tension, state_, 1.0);
-    EXPECT_LT(relative_error(step.matrix, expected), round_off);
-    EXPECT_LT(relative_error(step.rhs, -expected * x), round_off);
-  });
-}
-
-TEST(Gravity, BearsTheWholeWeightOnce) {
-  constexpr double area = 0.8 * 0.6;
-  const auto grid = [](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {9, 7}); };
-  on_odd_partitions(grid, [&](DistributedMesh mesh) {
-    const Bed bed(std::move(mesh));
-    const State rest{0, 0, bed.cloth.mesh.rest_positions, {}, {}};
-    StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
-    system.start(1.0);
-    gravity(bed)->add_to(system, rest);
-    const Column force = whole_rhs(bed, system);
-    const Vec3 weight = material.density * area * oblique_gravity;
-    EXPECT_LT((force.reshaped(3, force.size() / 3).rowwise().sum() - weight).norm(),
-              round_off * weight.norm());
-    const double energy = sum_over(world, gravity(bed)->energy(rest));
-    EXPECT_NEAR(energy, -weight.dot(Vec3(0.4, 0.3, 0)), round_off * weight.norm());
-  });
 }

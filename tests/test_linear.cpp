@@ -1,8 +1,6 @@
 #include "src/linear/velocity_system.hpp"
 #include "tests/force_bed.hpp"
-
-#include <gtest/gtest.h>
-#include <petscsys.h>
+#include "tests/petsc_options.hpp"
 
 using namespace taut;
 using namespace taut::test;
@@ -11,24 +9,9 @@ namespace {
 
 constexpr double dt = 0.02; // s: inertia and stiffness weigh alike
 
-/// PETSc options while this lives.
-class Options {
-public:
-  explicit Options(std::vector<std::array<std::string, 2>> options) : options_(std::move(options)) {
-    for (const auto& [name, value] : options_) PetscOptionsSetValue(nullptr, name.c_str(), value.c_str());
-  }
-  ~Options() {
-    for (const auto& [name, value] : options_) PetscOptionsClearValue(nullptr, name.c_str());
-  }
-  Options(const Options&) = delete;
-
-private:
-  std::vector<std::array<std::string, 2>> options_;
-};
-
 struct Solver {
   SolverOptions::Kind kind;
-  std::vector<std::array<std::string, 2>> options;
+  std::vector<PetscSetting> options;
 };
 
 /// A step of the mixed cloth with some vertices prescribed, and its solution by dense elimination.
@@ -120,7 +103,7 @@ TEST_F(VelocitySolve, EverySolverFindsTheSolution) {
                                     {mumps, {}},
                                     {mumps, {{format, "sbaij"}}}};
   for (const Solver& solver : solvers) {
-    const Options options(solver.options);
+    const OptionsInForce options(solver.options);
     solve({solver.kind, 1000}, [&](const SolveReport& report, const Column& found) {
       EXPECT_EQ(report.failure, "");
       EXPECT_GT(report.iterations, 0);
@@ -158,20 +141,25 @@ TEST_F(VelocitySolve, LeavesASolutionAlone) {
   });
 }
 
-// A solver is made once and used for every step: it must notice that the matrix changed.
+// A solver is made once and used for every step: it must notice that the matrix changed, and its
+// preconditioner with it.
 TEST_F(VelocitySolve, FollowsAMatrixThatChanges) {
   on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
     const Bed bed(std::move(mesh));
     const std::vector<char> held(bed.cloth.mesh.vertices.size(), 0);
     for (const auto kind : {cg, mumps}) {
-      VelocitySystem solver(bed.cloth.mesh, bed.pattern, {kind, 1000});
+      VelocitySystem used(bed.cloth.mesh, bed.pattern, {kind, 1000});
       for (const double step : {dt, 10 * dt}) {
         const Dense a = gather(whole_.cloth.mesh, full_step(whole_, state_, step).matrix());
         const StepSystem system = full_step(bed, state_, step);
-        std::vector<Vec3> v(held.size(), Vec3::Zero());
-        EXPECT_EQ(solver.solve(system.matrix(), system.rhs(), held, tolerance, v).failure, "");
+        std::vector<Vec3> v(held.size(), Vec3::Zero()), w = v;
+        const SolveReport report = used.solve(system.matrix(), system.rhs(), held, tolerance, v);
+        EXPECT_EQ(report.failure, "");
         const Column b = whole_rhs(bed, system), found = gather<Vec3>(world, bed.cloth.mesh.vertices, v);
         EXPECT_LT(relative_error(a * found, b), accuracy);
+        VelocitySystem fresh(bed.cloth.mesh, bed.pattern, {kind, 1000});
+        EXPECT_EQ(report.iterations,
+                  fresh.solve(system.matrix(), system.rhs(), held, tolerance, w).iterations);
       }
     }
   });

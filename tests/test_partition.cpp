@@ -32,7 +32,8 @@ MeshSlab two_pieces() {
   for (int piece = 0; piece < 2; ++piece) {
     const Global base = 9 * piece;
     for (int i = 0; i < 9; ++i) points.emplace_back(i % 3 + 10.0 * piece, i / 3, 0);
-    for (const Global c : {0, 1, 3, 4}) cells.push_back({{base + c, base + c + 1, base + c + 4, base + c + 3}});
+    for (const Global c : {0, 1, 3, 4})
+      cells.push_back({{base + c, base + c + 1, base + c + 4, base + c + 3}});
   }
   return from_lists(points, cells);
 }
@@ -86,7 +87,8 @@ void check(const MeshSlab& slab, const std::vector<int>& owners) {
   };
   std::vector<Global> degrees(slab.vertices.count, 0);
   for (Global i = 0; i < slab.vertices.count; ++i)
-    for (std::size_t s = topology.star[i]; s < topology.star[i + 1]; ++s) degrees[i] += topology.spokes[s].edge >= 0;
+    for (std::size_t s = topology.star[i]; s < topology.star[i + 1]; ++s)
+      degrees[i] += topology.spokes[s].edge >= 0;
   const auto expected = fetch<Global>(world, slab.vertices, degrees, mesh.vertices.original);
   for (Local v = 0; v < mesh.vertices.owned; ++v) {
     EXPECT_EQ(degree_of(v), expected[v]);
@@ -159,7 +161,7 @@ TEST(Topology, MixedMeshConstrainsTheEdgesOfQuadsOnly) {
 }
 
 class FaultyMesh : public testing::Test {
- protected:
+protected:
   static std::string message_for(const std::vector<Vec3>& points, const std::vector<Cell>& cells) {
     MeshSlab mesh = from_lists(points, cells);
     mesh.name = "bad.obj";
@@ -177,8 +179,9 @@ class FaultyMesh : public testing::Test {
 
 TEST_F(FaultyMesh, FlippedFace) {
   EXPECT_THAT(message_for(six_, {{{0, 1, 2, 3}}, {{1, 2, 5, 4}}}),
-              testing::StartsWith("bad.obj:102: this face and the face on line 101 run along the edge between vertices "
-                                  "2 and 3 in the same direction"));
+              testing::StartsWith(
+                  "bad.obj:102: this face and the face on line 101 run along the edge between vertices "
+                  "2 and 3 in the same direction"));
 }
 
 TEST_F(FaultyMesh, NonManifoldEdge) {
@@ -192,7 +195,8 @@ TEST_F(FaultyMesh, DoubledLine) {
 }
 
 TEST_F(FaultyMesh, IsolatedVertex) {
-  EXPECT_EQ(message_for(six_, {{{0, 1, 2, 3}}}), "bad.obj:5: vertex 5 belongs to no face and no line; remove it");
+  EXPECT_EQ(message_for(six_, {{{0, 1, 2, 3}}}),
+            "bad.obj:5: vertex 5 belongs to no face and no line; remove it");
 }
 
 TEST_F(FaultyMesh, ZeroLengthEdge) {
@@ -239,7 +243,8 @@ TEST(Distribute, DisconnectedPieces) {
 TEST(Distribute, MetisBalancesAndCutsLittle) {
   const MeshSlab slab = make_grid(world, {1, 1}, {61, 61});
   const Topology topology = find_topology(world, slab);
-  const auto report = distribute(world, slab, topology, partition(world, slab, topology, Partitioner::metis)).report;
+  const auto report =
+      distribute(world, slab, topology, partition(world, slab, topology, Partitioner::metis)).report;
   EXPECT_LE(report.imbalance, 1.05);
   EXPECT_LE(report.edge_cut, 70 * (size_of(world) - 1));
 }

@@ -13,9 +13,10 @@ int check(MPI_Comm comm, const CaseSource& source) {
   try_petsc_options(simulation);
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) == 0)
-    fmt::print("{}: the case is sound: {} vertices, {} cells, {} constrained edges, {} pinned vertices, {} frames\n",
-               source.file.string(), mesh.vertices.total, mesh.total_cells, mesh.edges.total,
-               simulation.pins().count(), simulation.step_size().frames());
+    fmt::print(
+        "{}: the case is sound: {} vertices, {} cells, {} constrained edges, {} pinned vertices, {} frames\n",
+        source.file.string(), mesh.vertices.total, mesh.total_cells, mesh.edges.total,
+        simulation.pins().count(), simulation.step_size().frames());
   return success;
 }
 

@@ -36,7 +36,8 @@ int info(MPI_Comm comm, const std::filesystem::path& path);
 /// Reads the case file on rank 0 and shares it. Throws InputError.
 Case load_case(MPI_Comm comm, const CaseSource& source);
 
-/// Tries a step that is thrown away; throws InputError if PETSc was given options that it refuses or that no solver asked for.
+/// Tries a step that is thrown away; throws InputError if PETSc was given options that it refuses or that no
+/// solver asked for.
 void try_petsc_options(Simulation& simulation);
 
 } // namespace taut::command

@@ -1,3 +1,4 @@
+#include "partition/yarns.hpp"
 #include "src/command/command.hpp"
 #include "src/state/start.hpp"
 
@@ -40,19 +41,21 @@ std::string describe_finished(const fs::path& folder, const Json& s) {
       "  projection  {}: {:.2f} iterations a step (at most {}), {:.1f} CG iterations each\n"
       "  velocity    {:.1f} CG iterations a step\n"
       "  partition   {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n"
-      "  cost        {:.2f} s: set-up {:.2f}, velocity {:.2f}, projection {:.2f}, output {:.2f}; memory {:.0f} MB\n",
-      folder.string(), s.at("case").get<std::string>(), s.at("status").get<std::string>(), s.at("ranks").get<int>(),
-      s.at("version").get<std::string>(), s.at("vertices").get<Global>(), s.at("faces").get<Global>(),
-      s.at("constraints").get<Global>(), s.at("end_time").get<double>(), s.at("steps").get<Global>(),
-      s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(), 100 * number("strain", "max"),
-      100 * number("strain", "limit"), 100 * number("strain", "rms"), 100 * number("strain", "p999"),
-      s.at("projection").at("method").get<std::string>(), number("projection", "iterations_mean"),
-      number("projection", "iterations_max"), number("projection", "ksp_iterations_mean"),
-      number("velocity", "ksp_iterations_mean"), number("partition", "edge_cut"), number("partition", "imbalance"),
-      number("partition", "ghosts_max"), number("seconds", "total"), number("seconds", "setup"),
-      number("seconds", "velocity"), number("seconds", "projection"), number("seconds", "output"),
-      number("memory_bytes", "sum") / 1e6);
-  if (const auto reason = s.at("reason").get<std::string>(); !reason.empty()) text += "  stopped     " + reason + "\n";
+      "  cost        {:.2f} s: set-up {:.2f}, velocity {:.2f}, projection {:.2f}, output {:.2f}; memory "
+      "{:.0f} MB\n",
+      folder.string(), s.at("case").get<std::string>(), s.at("status").get<std::string>(),
+      s.at("ranks").get<int>(), s.at("version").get<std::string>(), s.at("vertices").get<Global>(),
+      s.at("faces").get<Global>(), s.at("constraints").get<Global>(), s.at("end_time").get<double>(),
+      s.at("steps").get<Global>(), s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(),
+      100 * number("strain", "max"), 100 * number("strain", "limit"), 100 * number("strain", "rms"),
+      100 * number("strain", "p999"), s.at("projection").at("method").get<std::string>(),
+      number("projection", "iterations_mean"), number("projection", "iterations_max"),
+      number("projection", "ksp_iterations_mean"), number("velocity", "ksp_iterations_mean"),
+      number("partition", "edge_cut"), number("partition", "imbalance"), number("partition", "ghosts_max"),
+      number("seconds", "total"), number("seconds", "setup"), number("seconds", "velocity"),
+      number("seconds", "projection"), number("seconds", "output"), number("memory_bytes", "sum") / 1e6);
+  if (const auto reason = s.at("reason").get<std::string>(); !reason.empty())
+    text += "  stopped     " + reason + "\n";
   return text;
 }
 
@@ -63,11 +66,12 @@ std::string describe_run(const fs::path& folder) {
     try {
       text = describe_finished(folder, summary);
     } catch (const Json::exception& e) {
-      throw InputError(fmt::format("{}: not the summary of a run: {}", (folder / "summary.json").string(), e.what()));
+      throw InputError(
+          fmt::format("{}: not the summary of a run: {}", (folder / "summary.json").string(), e.what()));
     }
   } else if (fs::exists(folder / "frames.xdmf")) {
-    text = fmt::format("{}: a run that is still going on, or was cut off: {} frames so far\n", folder.string(),
-                       count_frames(folder / "frames"));
+    text = fmt::format("{}: a run that is still going on, or was cut off: {} frames so far\n",
+                       folder.string(), count_frames(folder / "frames"));
   } else {
     throw InputError(fmt::format("{}: holds no run (no summary.json, no frames.xdmf)", folder.string()));
   }
@@ -91,17 +95,20 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
     }
   }
   for (Local e = 0; e < mesh.edges.owned; ++e) length += cloth.rest_length[e];
+  const Global yarns = find_yarns(mesh).count;
   max_in_place(comm, extent);
   mass = sum_over(comm, mass);
   length = sum_over(comm, length);
-  return fmt::format("{}: case {}\n"
-                     "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n"
-                     "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
-                     "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
-                     file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
-                     length / double(std::max<Global>(mesh.edges.total, 1)), mass, -extent[0], extent[3], -extent[1],
-                     extent[4], -extent[2], extent[5], size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
-                     mesh.report.ghosts_max);
+  return fmt::format(
+      "{}: case {}\n"
+      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n"
+      "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
+      "  yarns       {}, of {:.1f} edges on average\n"
+      "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
+      file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
+      length / double(std::max<Global>(mesh.edges.total, 1)), mass, -extent[0], extent[3], -extent[1],
+      extent[4], -extent[2], extent[5], yarns, double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
+      size_of(comm), mesh.report.edge_cut, mesh.report.imbalance, mesh.report.ghosts_max);
 }
 
 } // namespace
@@ -112,7 +119,8 @@ int info(MPI_Comm comm, const fs::path& path) {
                           throw InputError(fmt::format("{}: there is no such file or folder", path.string()));
                         return std::string(fs::is_directory(path) ? "run" : "case");
                       }) == "run";
-  const std::string text = is_run ? broadcast(comm, [&] { return describe_run(path); }) : describe_case(comm, path);
+  const std::string text =
+      is_run ? broadcast(comm, [&] { return describe_run(path); }) : describe_case(comm, path);
   if (rank_of(comm) == 0) fmt::print("{}", text);
   return success;
 }

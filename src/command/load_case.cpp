@@ -14,7 +14,8 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
   const std::string file = source.file.string();
   const std::string text = broadcast(comm, [&] {
     if (std::filesystem::is_directory(source.file))
-      throw InputError(fmt::format("{0}: this is a folder; name the case file in it, e.g. {0}/case.yaml", file));
+      throw InputError(
+          fmt::format("{0}: this is a folder; name the case file in it, e.g. {0}/case.yaml", file));
     std::ifstream in(source.file);
     if (!in) throw InputError(fmt::format("{}: cannot be read: {}", file, std::strerror(errno)));
     std::ostringstream all;
@@ -28,9 +29,10 @@ void try_petsc_options(Simulation& simulation) {
   simulation.rehearse();
   const std::string unused = unused_petsc_options();
   if (!unused.empty())
-    throw InputError(fmt::format("PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
-                                 "-projection_ (e.g. -projection_ksp_monitor)",
-                                 unused));
+    throw InputError(
+        fmt::format("PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
+                    "-projection_ (e.g. -projection_ksp_monitor)",
+                    unused));
 }
 
 } // namespace taut::command

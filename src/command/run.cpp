@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 constexpr std::array results{"mesh.h5", "frames.xdmf", "edges.xdmf", "steps.csv", "summary.json"};
 
 bool holds_run(const fs::path& out) {
-  return std::any_of(results.begin(), results.end(), [&](const char* file) { return fs::exists(out / file); });
+  return std::any_of(results.begin(), results.end(),
+                     [&](const char* file) { return fs::exists(out / file); });
 }
 
 /// Removes what a run wrote and nothing else.
@@ -34,9 +35,10 @@ void remove_run(const fs::path& out) {
 /// Makes the folder ready for a new run, on rank 0.
 void prepare(const fs::path& out, const fs::path& case_file, ExistingRun existing) {
   if (fs::exists(out) && fs::equivalent(out, fs::absolute(case_file).parent_path()))
-    throw InputError(fmt::format("{}: the case file lies in this folder and would be replaced by the case as run; choose "
-                                 "another folder with --out",
-                                 out.string()));
+    throw InputError(
+        fmt::format("{}: the case file lies in this folder and would be replaced by the case as run; choose "
+                    "another folder with --out",
+                    out.string()));
   if (holds_run(out)) {
     if (existing == ExistingRun::refuse)
       throw InputError(fmt::format("{}: this folder holds a run already; choose another with --out, or give "
@@ -53,8 +55,8 @@ fs::path output_folder(MPI_Comm comm, const RunOptions& options, const Case& inp
     try {
       prepare(out, input.file, options.existing);
     } catch (const fs::filesystem_error& e) {
-      throw InputError(fmt::format("{}: cannot be written: {}; choose another folder with --out", out.string(),
-                                   e.code().message()));
+      throw InputError(fmt::format("{}: cannot be written: {}; choose another folder with --out",
+                                   out.string(), e.code().message()));
     }
     return std::string();
   });
@@ -77,7 +79,8 @@ std::vector<std::string> potential_names(const Forces& forces) {
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, const fs::path& out) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) != 0) return;
-  fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, imbalance {:.3f})\n"
+  fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "
+             "imbalance {:.3f})\n"
              "writing {}\n",
              input.name, mesh.vertices.total, mesh.edges.total, simulation.pins().count(),
              simulation.step_size().frames(), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,

@@ -173,7 +173,8 @@ void describe(V& v, Is<Time> auto& t) {
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});
   v.check("min_step", t.min_step <= t.max_step,
           fmt::format("{} is above max_step, {}; make it smaller", t.min_step, t.max_step));
-  v.check("frame_rate", t.frame_rate * t.min_step <= 1, "frames come faster than min_step allows steps; lower it");
+  v.check("frame_rate", t.frame_rate * t.min_step <= 1,
+          "frames come faster than min_step allows steps; lower it");
   v.check("end", t.end >= t.min_step, "is less than min_step, one step; make it larger");
 }
 
@@ -196,7 +197,8 @@ void describe(V& v, Is<Inextensibility> auto& i) {
     {.unit = Unit::per_newton,
      .range = not_negative,
      .computed_default = "from the weight of the cloth",
-     .meaning = "strain of an edge per newton of its tension; by default that of a taut thread which bears the whole "
+     .meaning = "strain of an edge per newton of its tension; by default that of a taut thread which bears "
+                "the whole "
                 "cloth is a tenth of the limit"});
 }
 

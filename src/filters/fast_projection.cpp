@@ -10,7 +10,9 @@ namespace taut {
 namespace {
 
 SolverOptions solver_options(const config::Inextensibility& options) {
-  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps : SolverOptions::Kind::cg, 1000};
+  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
+                                                        : SolverOptions::Kind::cg,
+          1000};
 }
 
 double default_compliance(double limit, double weight) {
@@ -26,8 +28,9 @@ FastProjection::FastProjection(const Cloth& cloth, const config::Inextensibility
     : cloth_(cloth), options_(options),
       compliance_(options.compliance.value_or(default_compliance(options.strain, weight))),
       system_(cloth.mesh, solver_options(options)), positions_(cloth.mesh.vertices.size()),
-      gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
-      residual_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {}
+      gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
+      shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()) {}
 
 FilterReport FastProjection::apply(const State& start_state, double dt, std::span<const char> prescribed,
                                    Candidate& candidate) {
@@ -39,8 +42,8 @@ FilterReport FastProjection::apply(const State& start_state, double dt, std::spa
     const double strain = evaluate(prescribed);
     if (strain <= options_.strain && report.iterations > 0) break;
     if (!std::isfinite(strain) || report.iterations == options_.max_iterations) {
-      report.failure = fmt::format("fast projection left a strain of {:.3g} after {} iterations (limit {:g})", strain,
-                                   report.iterations, options_.strain);
+      report.failure = fmt::format("fast projection left a strain of {:.3g} after {} iterations (limit {:g})",
+                                   strain, report.iterations, options_.strain);
       break;
     }
     system_.assemble(gradient_, inverse_mass_, shift_);
@@ -66,8 +69,8 @@ void FastProjection::start(double dt, std::span<const char> prescribed, const Ca
     mu_[e] = 0.5 * candidate.force_density[e] * cloth_.rest_length[e] * dt * dt;
 }
 
-/// Gradients and right-hand side at `positions_`; returns the largest |strain| over all ranks. An edge between two
-/// prescribed vertices cannot be changed here: its residual is 0, its strain is not.
+/// Gradients and right-hand side at `positions_`; returns the largest |strain| over all ranks. An edge
+/// between two prescribed vertices cannot be changed here: its residual is 0, its strain is not.
 double FastProjection::evaluate(std::span<const char> prescribed) {
   const DistributedMesh& mesh = cloth_.mesh;
   double max = 0;

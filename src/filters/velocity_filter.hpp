@@ -11,13 +11,15 @@ struct FilterReport {
   std::string failure;       ///< empty, or why the step cannot be accepted
 };
 
-/// Changes the velocities a step proposes so that a constraint holds at its end [G07 section 4: time stepping,
-/// inextensibility and contact stay decoupled]. Filters form a list; each sees what those before it left.
+/// Changes the velocities a step proposes so that a constraint holds at its end [G07 section 4: time
+/// stepping, inextensibility and contact stay decoupled]. Filters form a list; each sees what those before it
+/// left.
 class VelocityFilter {
- public:
+public:
   virtual ~VelocityFilter() = default;
 
-  /// `prescribed` marks the local vertices whose velocity must stay. Ghosts are current on entry and on exit. Collective.
+  /// `prescribed` marks the local vertices whose velocity must stay. Ghosts are current on entry and on exit.
+  /// Collective.
   virtual FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
                              Candidate& candidate) = 0;
 };

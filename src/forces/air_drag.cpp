@@ -41,7 +41,8 @@ void AirDrag::add_to(StepSystem& system, const State& state) const {
     const Vec3 normal = area / size, wind = wind_at(centre, state.time);
     const double d = 0.5 * air_.density * air_.drag * size * std::abs((velocity - wind).dot(normal));
     std::array<Local, 4> vertices = cell.vertices;
-    std::array<Vec3, 4> gradient{normal / n, normal / n, normal / n, n == 4 ? Vec3(normal / n) : Vec3(Vec3::Zero())};
+    std::array<Vec3, 4> gradient{normal / n, normal / n, normal / n,
+                                 n == 4 ? Vec3(normal / n) : Vec3(Vec3::Zero())};
     if (n == 3) vertices[3] = vertices[0];
     for (int k = 0; k < n; ++k) system.add_force(vertices[k], d * wind.dot(normal) * gradient[k]);
     system.add_rank_one(vertices, gradient, 0.0, d);

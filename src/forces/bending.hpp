@@ -3,12 +3,13 @@
 
 namespace taut {
 
-/// Isometric bending along yarns. At every vertex a yarn passes through, with neighbours b and a at rest distances l1 and
-/// l2, the curvature vector is kappa = 2/(l1 + l2) ((x_a - x)/l2 - (x - x_b)/l1) and the energy B/2 |kappa|^2 A with the
-/// bending stiffness B (N m) and the area A of the vertex: quadratic in the positions, exact for a sheet
-/// bent without stretch [Bergou et al. 2006, Wardetzky et al. 2007, for the stencil of a yarn]. The rest shape is flat.
+/// Isometric bending along yarns. At every vertex a yarn passes through, with neighbours b and a at rest
+/// distances l1 and l2, the curvature vector is kappa = 2/(l1 + l2) ((x_a - x)/l2 - (x - x_b)/l1) and the
+/// energy B/2 |kappa|^2 A with the bending stiffness B (N m) and the area A of the vertex: quadratic in the
+/// positions, exact for a sheet bent without stretch [Bergou et al. 2006, Wardetzky et al. 2007, for the
+/// stencil of a yarn]. The rest shape is flat.
 class YarnBending : public Force {
- public:
+public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
   YarnBending(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
 
@@ -16,10 +17,10 @@ class YarnBending : public Force {
   double energy(const State& state) const override;
   void add_to(StepSystem& system, const State& state) const override;
 
- private:
+private:
   struct Stencil {
-    std::array<Local, 3> vertices;   ///< before, centre, after
-    std::array<double, 3> weights;   ///< E = 1/2 |sum w x|^2
+    std::array<Local, 3> vertices; ///< before, centre, after
+    std::array<double, 3> weights; ///< E = 1/2 |sum w x|^2
     std::array<std::int32_t, 9> slots;
   };
 

@@ -4,7 +4,8 @@ namespace taut {
 
 CarriedTension::CarriedTension(const Cloth& cloth, const Pattern& pattern) : cloth_(cloth) {
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
-    for (const EdgeEnd& end : cloth.mesh.star_of(i)) slots_.push_back(std::int32_t(pattern.slot(i, end.other)));
+    for (const EdgeEnd& end : cloth.mesh.star_of(i))
+      slots_.push_back(std::int32_t(pattern.slot(i, end.other)));
 }
 
 void CarriedTension::add_to(StepSystem& system, const State& state) const {

@@ -8,16 +8,18 @@ namespace taut {
 
 /// Something that pushes on the cloth. A force sees one rank's part and communicates nothing.
 class Force {
- public:
+public:
   virtual ~Force() = default;
 
   virtual std::string_view name() const = 0;
 
-  /// Potential energy in J of this rank's share; the sum over ranks counts everything once. 0 for a force without one.
+  /// Potential energy in J of this rank's share; the sum over ranks counts everything once. 0 for a force
+  /// without one.
   virtual double energy(const State& state) const = 0;
 
-  /// Adds the force at the state's positions and its stiffness and damping, as StepSystem asks for them. The stiffness is
-  /// positive semi-definite: terms of the exact Hessian that are not are left out, and named by the force.
+  /// Adds the force at the state's positions and its stiffness and damping, as StepSystem asks for them. The
+  /// stiffness is positive semi-definite: terms of the exact Hessian that are not are left out, and named by
+  /// the force.
   virtual void add_to(StepSystem& system, const State& state) const = 0;
 };
 

@@ -5,7 +5,7 @@ namespace taut {
 
 /// m g on every vertex.
 class Gravity : public Force {
- public:
+public:
   /// `cloth` must outlive the force; `acceleration` in m/s^2.
   Gravity(const Cloth& cloth, const Vec3& acceleration) : cloth_(cloth), acceleration_(acceleration) {}
 
@@ -13,7 +13,7 @@ class Gravity : public Force {
   double energy(const State& state) const override;
   void add_to(StepSystem& system, const State& state) const override;
 
- private:
+private:
   const Cloth& cloth_;
   Vec3 acceleration_;
 };

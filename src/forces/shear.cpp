@@ -39,7 +39,8 @@ QuadShear::QuadShear(const Cloth& cloth, const Pattern& pattern, double stiffnes
     if (cell.size() != 4) continue;
     const auto p = corners(cell.vertices, cloth.mesh.rest_positions);
     const double area = 0.5 * (p[2] - p[0]).cross(p[3] - p[1]).norm();
-    elements_.push_back({cell.vertices, quad_shear_stencil(p), stiffness * area, pattern.slots<4>(cell.vertices)});
+    elements_.push_back(
+        {cell.vertices, quad_shear_stencil(p), stiffness * area, pattern.slots<4>(cell.vertices)});
   }
 }
 
@@ -58,7 +59,8 @@ void QuadShear::add_to(StepSystem& system, const State& state) const {
     const auto [c, gradient] = evaluate(e.stencil, corners(e.vertices, state.positions));
     for (int k = 0; k < 4; ++k) system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
     system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * damping_);
-    std::array<double, 4> half; // C (c_u c_v^T + c_v c_u^T) = C/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
+    std::array<double, 4>
+        half; // C (c_u c_v^T + c_v c_u^T) = C/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
     for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (c > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
     system.add_outer<4>(e.slots, half, 0.5 * e.stiffness * std::abs(c), 0.0);
   }

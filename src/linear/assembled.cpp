@@ -12,11 +12,12 @@ struct BlockCounts {
 
 BlockCounts count_blocks(const DistributedMesh& mesh, const Pattern& pattern) {
   const Local rows = pattern.rows();
-  BlockCounts n{std::vector<PetscInt>(rows, 0), std::vector<PetscInt>(rows, 0), std::vector<PetscInt>(rows, 0),
-                std::vector<PetscInt>(rows, 0)};
+  BlockCounts n{std::vector<PetscInt>(rows, 0), std::vector<PetscInt>(rows, 0),
+                std::vector<PetscInt>(rows, 0), std::vector<PetscInt>(rows, 0)};
   for (Local row = 0; row < rows; ++row)
     for (const Local column : pattern.columns(row)) {
-      const bool own = mesh.owns_vertex(column), upper = mesh.vertices.global(column) >= mesh.vertices.global(row);
+      const bool own = mesh.owns_vertex(column),
+                 upper = mesh.vertices.global(column) >= mesh.vertices.global(row);
       ++(own ? n.own : n.ghost)[row];
       if (upper) ++(own ? n.own_upper : n.ghost_upper)[row];
     }
@@ -27,7 +28,8 @@ void set_local_numbers(Mat matrix, const DistributedMesh& mesh) {
   std::vector<PetscInt> global(mesh.vertices.size());
   for (Local i = 0; i < mesh.vertices.size(); ++i) global[i] = PetscInt(mesh.vertices.global(i));
   ISLocalToGlobalMapping map = nullptr;
-  check(ISLocalToGlobalMappingCreate(mesh.comm, 3, PetscInt(global.size()), global.data(), PETSC_COPY_VALUES, &map));
+  check(ISLocalToGlobalMappingCreate(mesh.comm, 3, PetscInt(global.size()), global.data(), PETSC_COPY_VALUES,
+                                     &map));
   check(MatSetLocalToGlobalMapping(matrix, map, map));
   check(ISLocalToGlobalMappingDestroy(&map));
 }
@@ -44,12 +46,13 @@ AssembledMatrix::AssembledMatrix(const DistributedMesh& mesh, const Pattern& pat
   check(MatSetType(matrix_, MATAIJ));
   check(MatSetFromOptions(matrix_));
   const BlockCounts n = count_blocks(mesh, pattern);
-  check(MatXAIJSetPreallocation(matrix_, 3, n.own.data(), n.ghost.data(), n.own_upper.data(), n.ghost_upper.data()));
+  check(MatXAIJSetPreallocation(matrix_, 3, n.own.data(), n.ghost.data(), n.own_upper.data(),
+                                n.ghost_upper.data()));
   set_local_numbers(matrix_, mesh);
   check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
   PetscBool symmetric_storage = PETSC_FALSE, blocked = PETSC_FALSE;
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(Mat(matrix_)), &symmetric_storage, MATSEQSBAIJ,
-                                  MATMPISBAIJ, ""));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(Mat(matrix_)), &symmetric_storage,
+                                  MATSEQSBAIJ, MATMPISBAIJ, ""));
   if (symmetric_storage) check(MatSetOption(matrix_, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(Mat(matrix_)), MATMPIBAIJ, &blocked));
   if (!blocked) check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE)); // parallel BAIJ refuses it

@@ -6,10 +6,10 @@
 
 namespace taut {
 
-/// The filtered velocity matrix as a PETSc matrix of 3 x 3 blocks, for MUMPS and for preconditioners that look at entries.
-/// Its type is AIJ or what `-velocity_mat_type` says (baij, sbaij).
+/// The filtered velocity matrix as a PETSc matrix of 3 x 3 blocks, for MUMPS and for preconditioners that
+/// look at entries. Its type is AIJ or what `-velocity_mat_type` says (baij, sbaij).
 class AssembledMatrix {
- public:
+public:
   AssembledMatrix(const DistributedMesh& mesh, const Pattern& pattern);
 
   /// Fills in the values; every rank its own rows. Collective.
@@ -17,7 +17,7 @@ class AssembledMatrix {
 
   operator Mat() const { return matrix_; }
 
- private:
+private:
   void collect_blocks(const FilteredOperator& filtered);
 
   const DistributedMesh& mesh_;

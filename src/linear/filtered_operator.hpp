@@ -5,7 +5,7 @@ namespace taut {
 
 /// The filtered matrix P A P + (I - P), where P leaves out the prescribed vertices [BW98 section 5].
 class FilteredOperator {
- public:
+public:
   explicit FilteredOperator(const DistributedMesh& mesh) : mesh_(mesh) {}
 
   void set(const VertexMatrix& matrix, std::span<const char> prescribed);
@@ -13,14 +13,15 @@ class FilteredOperator {
   /// y = (P A P + I - P) x over owned vertices. Collective over neighbours.
   void apply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
-  /// The diagonal blocks and their inverses, those of prescribed vertices being the identity; over owned vertices.
+  /// The diagonal blocks and their inverses, those of prescribed vertices being the identity; over owned
+  /// vertices.
   void diagonal_blocks(std::span<Mat3> blocks) const;
   void inverse_diagonal_blocks(std::span<Mat3> blocks) const;
 
   const VertexMatrix& matrix() const { return *matrix_; }
   bool prescribed(Local vertex) const { return prescribed_[vertex] != 0; }
 
- private:
+private:
   const DistributedMesh& mesh_;
   const VertexMatrix* matrix_ = nullptr;
   std::span<const char> prescribed_;

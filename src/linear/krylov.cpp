@@ -4,7 +4,8 @@
 
 namespace taut {
 
-LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions& options, const char* preconditioner) {
+LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions& options,
+                           const char* preconditioner) {
   const std::string prefix = std::string(name) + "_";
   check(KSPCreate(comm, ksp_.address()));
   check(KSPSetOptionsPrefix(ksp_, prefix.c_str()));

@@ -5,20 +5,20 @@
 
 namespace taut {
 
-/// A linear solver with the prefix `-<name>_`: CG in the natural norm with PCType `preconditioner`, or MUMPS; then whatever
-/// the PETSc options say.
+/// A linear solver with the prefix `-<name>_`: CG in the natural norm with PCType `preconditioner`, or MUMPS;
+/// then whatever the PETSc options say.
 class LinearSolver {
- public:
+public:
   /// Throws InputError for options that PETSc refuses. Collective.
   LinearSolver(MPI_Comm comm, const char* name, const SolverOptions& options, const char* preconditioner);
 
-  /// Solves to the relative tolerance given (but `-<name>_ksp_rtol` has the last word, and a direct solver has none),
-  /// starting from zero. Collective.
+  /// Solves to the relative tolerance given (but `-<name>_ksp_rtol` has the last word, and a direct solver
+  /// has none), starting from zero. Collective.
   SolveReport solve(Vec rhs, Vec solution, double tolerance);
 
   operator KSP() const { return ksp_; }
 
- private:
+private:
   OwnedKsp ksp_;
   bool tolerance_is_fixed_ = false;
 };

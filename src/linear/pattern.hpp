@@ -3,10 +3,10 @@
 
 namespace taut {
 
-/// Which vertices act on which: the rows of owned vertices, over local columns, of every matrix between vertices. Two
-/// vertices are coupled if they share a cell or a yarn triple. Fixed for a mesh.
+/// Which vertices act on which: the rows of owned vertices, over local columns, of every matrix between
+/// vertices. Two vertices are coupled if they share a cell or a yarn triple. Fixed for a mesh.
 class Pattern {
- public:
+public:
   /// Not collective.
   explicit Pattern(const DistributedMesh& mesh);
 
@@ -22,7 +22,7 @@ class Pattern {
   std::int64_t diagonal(Local row) const { return diagonal_[row]; }
 
   /// The slots of all pairs of a stencil's vertices, row by row.
-  template <std::size_t n>
+  template<std::size_t n>
   std::array<std::int32_t, n * n> slots(const std::array<Local, n>& vertices) const {
     std::array<std::int32_t, n * n> result;
     for (std::size_t a = 0; a < n; ++a)
@@ -30,7 +30,7 @@ class Pattern {
     return result;
   }
 
- private:
+private:
   std::vector<std::int64_t> offsets_{0};
   std::vector<Local> columns_;
   std::vector<std::int32_t> diagonal_;

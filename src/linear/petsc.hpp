@@ -1,7 +1,7 @@
 #pragma once
 // PETSc's handles with an owner, for the .cpp files of this folder only.
-#include <petscksp.h>
 #include <petsc/private/petscimpl.h> // PetscObjectStateIncrease
+#include <petscksp.h>
 
 #include <stdexcept>
 #include <string>
@@ -20,12 +20,14 @@ inline void check(PetscErrorCode code) {
 }
 
 /// Tells PETSc that the values behind an object changed, so that preconditioners are made anew.
-inline void mark_changed(Mat matrix) { check(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(matrix))); }
+inline void mark_changed(Mat matrix) {
+  check(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(matrix)));
+}
 
 /// Owns one PETSc object.
-template <class Object, PetscErrorCode (*Destroy)(Object*)>
+template<class Object, PetscErrorCode (*Destroy)(Object*)>
 class Owned {
- public:
+public:
   Owned() = default;
   ~Owned() { Destroy(&object_); }
   Owned(Owned&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
@@ -35,7 +37,7 @@ class Owned {
   }
   operator Object() const { return object_; }
   Object* address() { return &object_; } ///< for PETSc's ...Create functions
- private:
+private:
   Object object_ = nullptr;
 };
 

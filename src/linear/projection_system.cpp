@@ -10,16 +10,16 @@ namespace taut {
 
 namespace {
 
-/// Rows of owned edges, split into columns of owned and of ghost edges as PETSc stores them, and for every coupling, in
-/// the order in which assembly meets it, where its value goes.
+/// Rows of owned edges, split into columns of owned and of ghost edges as PETSc stores them, and for every
+/// coupling, in the order in which assembly meets it, where its value goes.
 struct SplitRows {
   struct Part {
     std::vector<PetscInt> offsets{0}, columns;
     std::vector<double> values;
   };
   Part own, ghost;
-  /// Of each row: the star of its first vertex, then of its second, without itself. A place in `own.values`, or if
-  /// negative, -1 - a place in `ghost.values`.
+  /// Of each row: the star of its first vertex, then of its second, without itself. A place in `own.values`,
+  /// or if negative, -1 - a place in `ghost.values`.
   std::vector<PetscInt> coupling;
   std::vector<PetscInt> diagonal;
 
@@ -28,11 +28,12 @@ struct SplitRows {
 
 PetscInt checked(Global number) {
   if (number > std::numeric_limits<PetscInt>::max())
-    throw std::runtime_error("the mesh has more edges than this PETSc can number: use one built with 64-bit indices");
+    throw std::runtime_error(
+        "the mesh has more edges than this PETSc can number: use one built with 64-bit indices");
   return PetscInt(number);
 }
 
-template <class Visit>
+template<class Visit>
 void for_each_coupling(const DistributedMesh& mesh, Local edge, Visit&& visit) {
   const auto& [first, second] = mesh.edge_vertices[edge];
   for (const auto& [vertex, sign] : {std::pair{first, -1.0}, std::pair{second, +1.0}})
@@ -44,8 +45,10 @@ void for_each_coupling(const DistributedMesh& mesh, Local edge, Visit&& visit) {
 void append_row(const DistributedMesh& mesh, Local edge, SplitRows& rows) {
   std::vector<PetscInt> own{edge}, ghost;
   for_each_coupling(mesh, edge, [&](Local, Local other, double) {
-    if (mesh.owns_edge(other)) own.push_back(other);
-    else ghost.push_back(checked(mesh.edges.global(other)));
+    if (mesh.owns_edge(other))
+      own.push_back(other);
+    else
+      ghost.push_back(checked(mesh.edges.global(other)));
   });
   const auto append = [](std::vector<PetscInt>& row, SplitRows::Part& part) {
     std::sort(row.begin(), row.end());
@@ -58,8 +61,15 @@ void append_row(const DistributedMesh& mesh, Local edge, SplitRows& rows) {
 }
 
 PetscInt place_in(const SplitRows::Part& part, Local row, PetscInt column) {
-  const auto begin = part.columns.begin() + part.offsets[row], end = part.columns.begin() + part.offsets[row + 1];
+  const auto begin = part.columns.begin() + part.offsets[row],
+             end = part.columns.begin() + part.offsets[row + 1];
   return PetscInt(std::lower_bound(begin, end, column) - part.columns.begin());
+}
+
+/// The place of (edge, other) as in SplitRows::coupling.
+PetscInt place_of(const DistributedMesh& mesh, const SplitRows& rows, Local edge, Local other) {
+  return mesh.owns_edge(other) ? place_in(rows.own, edge, other)
+                               : -1 - place_in(rows.ghost, edge, PetscInt(mesh.edges.global(other)));
 }
 
 SplitRows pattern_of(const DistributedMesh& mesh) {
@@ -70,51 +80,70 @@ SplitRows pattern_of(const DistributedMesh& mesh) {
   for (Local e = 0; e < mesh.edges.owned; ++e) {
     rows.diagonal.push_back(place_in(rows.own, e, e));
     for_each_coupling(mesh, e, [&](Local, Local other, double) {
-      rows.coupling.push_back(mesh.owns_edge(other) ? place_in(rows.own, e, other)
-                                                    : -1 - place_in(rows.ghost, e, PetscInt(mesh.edges.global(other))));
+      rows.coupling.push_back(place_of(mesh, rows, e, other));
     });
   }
   return rows;
 }
 
-/// The yarn links of the pattern: the coupling of each owned edge to its predecessor, -1 where a yarn starts.
-std::vector<PetscInt> links_of(const DistributedMesh& mesh, const SplitRows& rows) {
-  std::vector<PetscInt> links(mesh.edges.owned, -1);
+/// The couplings along yarns: where they are in the rows, and where in a YarnTridiagonal.
+struct YarnLinks {
+  struct Link {
+    PetscInt place;
+    Local target;
+  };
+  std::vector<Link> inside, between; ///< to `to_previous`, to `to_segment_before`
+};
+
+YarnLinks links_of(const DistributedMesh& mesh, const Yarns& yarns, const SplitRows& rows) {
+  YarnLinks links;
   for (Local e = 0; e < mesh.edges.owned; ++e)
-    if (mesh.continues_yarn[e]) links[e] = place_in(rows.own, e, e - 1);
+    if (mesh.continues_yarn[e]) links.inside.push_back({place_in(rows.own, e, e - 1), e});
+  for (std::size_t k = 0; k < yarns.knots.size(); ++k)
+    if (yarns.before_knot[k] >= 0)
+      links.between.push_back({place_of(mesh, rows, yarns.knots[k], yarns.before_knot[k]), Local(k)});
   return links;
 }
 
 } // namespace
 
-void attach(Mat matrix, YarnTridiagonal* yarns); // yarn_preconditioner.cpp
-
 struct ProjectionSystem::Petsc {
   SplitRows rows;
-  std::vector<PetscInt> links;
-  YarnTridiagonal yarns;
+  Yarns yarns;
+  YarnLinks links;
+  YarnBlocks blocks;
   OwnedMat matrix;
   OwnedVec rhs, solution;
   LinearSolver solver;
 
-  Petsc(MPI_Comm comm, const SolverOptions& options) : solver(comm, "projection", options, "yarn") {}
+  Petsc(const DistributedMesh& mesh, const SolverOptions& options)
+      : rows(pattern_of(mesh)), yarns(find_yarns(mesh)),
+        links(links_of(mesh, yarns, rows)), blocks{{}, YarnFactor(yarns)},
+        solver(mesh.comm, "projection", options, "yarn") {
+    blocks.matrix.diagonal.assign(mesh.edges.owned, 0.0);
+    blocks.matrix.to_previous.assign(mesh.edges.owned, 0.0);
+    blocks.matrix.to_segment_before.assign(yarns.knots.size(), 0.0);
+  }
+
+  void update_blocks() {
+    for (std::size_t e = 0; e < rows.diagonal.size(); ++e)
+      blocks.matrix.diagonal[e] = rows.value(rows.diagonal[e]);
+    for (const auto& [place, edge] : links.inside) blocks.matrix.to_previous[edge] = rows.value(place);
+    for (const auto& [place, knot] : links.between) blocks.matrix.to_segment_before[knot] = rows.value(place);
+  }
 };
 
 ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options)
-    : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh.comm, options)) {
+    : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh, options)) {
   Petsc& p = *petsc_;
-  p.rows = pattern_of(mesh);
-  p.links = links_of(mesh, p.rows);
-  p.yarns.diagonal.resize(mesh.edges.owned);
-  p.yarns.to_previous.resize(mesh.edges.owned);
   const PetscInt owned = mesh.edges.owned, total = checked(mesh.edges.total);
   auto &own = p.rows.own, &ghost = p.rows.ghost;
-  check(MatCreateMPIAIJWithSplitArrays(mesh.comm, owned, owned, total, total, own.offsets.data(), own.columns.data(),
-                                       own.values.data(), ghost.offsets.data(), ghost.columns.data(),
-                                       ghost.values.data(), p.matrix.address()));
+  check(MatCreateMPIAIJWithSplitArrays(mesh.comm, owned, owned, total, total, own.offsets.data(),
+                                       own.columns.data(), own.values.data(), ghost.offsets.data(),
+                                       ghost.columns.data(), ghost.values.data(), p.matrix.address()));
   check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
   check(MatCreateVecs(p.matrix, p.solution.address(), p.rhs.address()));
-  attach(p.matrix, &p.yarns);
+  attach(p.matrix, p.blocks);
   check(KSPSetOperators(p.solver, p.matrix, p.matrix));
 }
 
@@ -130,13 +159,12 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
     const auto& [a, b] = mesh_.edge_vertices[e];
     const Vec3& g = gradient[e];
     const double mobility = inverse_mass[a] + inverse_mass[b];
-    p.yarns.diagonal[e] = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
-    p.rows.value(p.rows.diagonal[e]) = p.yarns.diagonal[e];
+    p.rows.value(p.rows.diagonal[e]) = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
     for_each_coupling(mesh_, e, [&](Local vertex, Local other, double sign) {
       p.rows.value(*coupling++) += sign * inverse_mass[vertex] * g.dot(gradient[other]);
     });
-    p.yarns.to_previous[e] = p.links[e] >= 0 ? p.rows.own.values[p.links[e]] : 0.0;
   }
+  p.update_blocks();
   Mat own = nullptr, ghost = nullptr;
   check(MatMPIAIJGetSeqAIJ(p.matrix, &own, &ghost, nullptr));
   for (Mat m : {own, ghost, Mat(p.matrix)}) mark_changed(m);

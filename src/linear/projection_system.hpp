@@ -6,27 +6,29 @@
 
 namespace taut {
 
-/// The system of one fast-projection iteration, (S + diag a) mu = b with S = J W J^T [G07 eq. 7, scaled by h^2]: one row
-/// per constrained edge, J the constraint gradients, W the inverse vertex masses. Its pattern never changes; it is assembled
-/// straight from the edges, every rank its own rows, without communication.
+/// The system of one fast-projection iteration, (S + diag a) mu = b with S = J W J^T [G07 eq. 7, scaled by
+/// h^2]: one row per constrained edge, J the constraint gradients, W the inverse vertex masses. Its pattern
+/// never changes; it is assembled straight from the edges, every rank its own rows, without communication.
 ///
 /// PETSc prefix `-projection_`. `cg` uses the preconditioner `yarn`; `mumps` factorises.
 class ProjectionSystem {
- public:
+public:
   /// `mesh` must outlive the system. Collective.
   ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options);
   ~ProjectionSystem();
 
-  /// `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its first), for all local edges;
-  /// `inverse_mass` is 0 at vertices that may not move, for all local vertices; `shift` is a, for owned edges. An edge between
-  /// two vertices that may not move gets the row mu = b: give it 0. Collective.
-  void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass, std::span<const double> shift);
+  /// `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its first), for all
+  /// local edges; `inverse_mass` is 0 at vertices that may not move, for all local vertices; `shift` is a,
+  /// for owned edges. An edge between two vertices that may not move gets the row mu = b: give it 0.
+  /// Collective.
+  void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
+                std::span<const double> shift);
 
-  /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural norm.
-  /// `rhs` holds owned edges. Collective.
+  /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural
+  /// norm. `rhs` holds owned edges. Collective.
   SolveReport solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu);
 
- private:
+private:
   struct Petsc;
   const DistributedMesh& mesh_;
   std::unique_ptr<Petsc> petsc_;

@@ -34,7 +34,8 @@ std::string unused_petsc_options() {
   check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
   std::string unused;
   for (PetscInt i = 0; i < count; ++i)
-    if (std::string(names[i]) != "options_left") unused += (unused.empty() ? "-" : " -") + std::string(names[i]);
+    if (std::string(names[i]) != "options_left")
+      unused += (unused.empty() ? "-" : " -") + std::string(names[i]);
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   return unused;
 }

@@ -4,11 +4,11 @@
 
 namespace taut {
 
-/// Starts MPI and PETSc, ends them when it goes. One a program, first thing in `main`. PETSc's options come from
-/// `petsc_options` alone (`{"-velocity_ksp_monitor", ...}`) and from the environment variable PETSC_OPTIONS, never from
-/// the command line. PETSc's signal handlers and error printing stay off.
+/// Starts MPI and PETSc, ends them when it goes. One a program, first thing in `main`. PETSc's options come
+/// from `petsc_options` alone (`{"-velocity_ksp_monitor", ...}`) and from the environment variable
+/// PETSC_OPTIONS, never from the command line. PETSc's signal handlers and error printing stay off.
 class Session {
- public:
+public:
   Session(int& argc, char**& argv, std::span<const std::string> petsc_options);
   ~Session();
   Session(const Session&) = delete;

@@ -9,11 +9,11 @@ namespace taut {
 ///
 ///     (M + h D + h^2 K) v' = M v + h f,
 ///
-/// which is [BW98 eq. 6] with D v and K v taken to the left: f is the force at the positions of the step's start and for
-/// velocity zero, K = -df/dx and D = -df/dv. Forces add what they are made of; the factors h are put in here. Rows of
-/// owned vertices; what is added to ghosts is dropped. Nothing here is collective.
+/// which is [BW98 eq. 6] with D v and K v taken to the left: f is the force at the positions of the step's
+/// start and for velocity zero, K = -df/dx and D = -df/dv. Forces add what they are made of; the factors h
+/// are put in here. Rows of owned vertices; what is added to ghosts is dropped. Nothing here is collective.
 class StepSystem {
- public:
+public:
   /// `pattern` must outlive the system; `vertices` is the number of local vertices.
   StepSystem(const Pattern& pattern, Local vertices) : matrix_(pattern), rhs_(vertices, Vec3::Zero()) {}
 
@@ -37,15 +37,18 @@ class StepSystem {
   /// D += d I at an owned vertex; d in N s/m.
   void add_damping(Local vertex, double d) { matrix_.add_diagonal(vertex, dt_ * d); }
 
-  /// K(i, i) += k I and K(i, j) -= k I for an owned vertex i: its row of a weighted Laplacian. `slot` is that of (i, j).
+  /// K(i, i) += k I and K(i, j) -= k I for an owned vertex i: its row of a weighted Laplacian. `slot` is that
+  /// of (i, j).
   void add_laplacian(Local vertex, std::int32_t slot, double k) {
     matrix_.add_diagonal(vertex, dt_ * dt_ * k);
     matrix_.add_entry(slot, -dt_ * dt_ * k);
   }
 
-  /// K += k w w^T (x) I_3 and D += d w w^T (x) I_3 over a stencil; k in N/m, d in N s/m, for w without a unit.
-  template <std::size_t n>
-  void add_outer(const std::array<std::int32_t, n * n>& slots, const std::array<double, n>& w, double k, double d) {
+  /// K += k w w^T (x) I_3 and D += d w w^T (x) I_3 over a stencil; k in N/m, d in N s/m, for w without a
+  /// unit.
+  template<std::size_t n>
+  void add_outer(const std::array<std::int32_t, n * n>& slots, const std::array<double, n>& w, double k,
+                 double d) {
     matrix_.add_outer<n>(slots, w, dt_ * dt_ * k + dt_ * d);
   }
 
@@ -59,7 +62,7 @@ class StepSystem {
   const VertexMatrix& matrix() const { return matrix_; }
   std::span<const Vec3> rhs() const { return rhs_; }
 
- private:
+private:
   double dt_ = 0;
   VertexMatrix matrix_;
   std::vector<Vec3> rhs_;

@@ -78,7 +78,8 @@ bool works_unassembled(KSP ksp) {
   PC pc = nullptr;
   PetscBool does = PETSC_FALSE;
   check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, PCPBJACOBI, PCJACOBI, PCNONE, ""));
+  check(
+      PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, PCPBJACOBI, PCJACOBI, PCNONE, ""));
   return does;
 }
 
@@ -99,7 +100,8 @@ struct VelocitySystem::Petsc {
   Petsc(const DistributedMesh& mesh, const SolverOptions& options)
       : context{FilteredOperator(mesh), {}}, solver(mesh.comm, "velocity", options, PCPBJACOBI) {}
 
-  void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, std::span<const Vec3> v, Local owned) {
+  void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, std::span<const Vec3> v,
+                      Local owned) {
     matrix.multiply(v, product);
     PetscScalar* values = nullptr;
     check(VecGetArrayWrite(rhs, &values));
@@ -110,7 +112,8 @@ struct VelocitySystem::Petsc {
   }
 };
 
-VelocitySystem::VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options)
+VelocitySystem::VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern,
+                               const SolverOptions& options)
     : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh, options)) {
   Petsc& p = *petsc_;
   p.context.inverse_blocks.resize(mesh.vertices.owned);

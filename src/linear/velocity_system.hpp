@@ -6,25 +6,25 @@
 
 namespace taut {
 
-/// Solves A v = b for the velocities of a step [BW98 eq. 6], with some of them prescribed [BW98 section 5; the projected
-/// form of Ascher and Boxerman 2003, for which a preconditioner sees the filtered matrix].
+/// Solves A v = b for the velocities of a step [BW98 eq. 6], with some of them prescribed [BW98 section 5;
+/// the projected form of Ascher and Boxerman 2003, for which a preconditioner sees the filtered matrix].
 ///
-/// PETSc prefix `-velocity_`. With CG and the preconditioners `pbjacobi`, `jacobi` and `none` the matrix is applied as
-/// it is; for every other preconditioner, and for MUMPS, it is assembled as a PETSc matrix of 3 x 3
-/// blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
+/// PETSc prefix `-velocity_`. With CG and the preconditioners `pbjacobi`, `jacobi` and `none` the matrix is
+/// applied as it is; for every other preconditioner, and for MUMPS, it is assembled as a PETSc matrix of 3 x
+/// 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
 class VelocitySystem {
- public:
+public:
   /// `mesh` and `pattern` must outlive the system. Collective.
   VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options);
   ~VelocitySystem();
 
-  /// On entry `v` (local vertices, ghosts current) holds the prescribed velocities where `prescribed`, elsewhere the velocity
-  /// at the start of the step; on exit the solution, ghosts current. `rhs` over owned vertices. The residual falls by the
-  /// factor `tolerance` from that of the entry. Collective.
+  /// On entry `v` (local vertices, ghosts current) holds the prescribed velocities where `prescribed`,
+  /// elsewhere the velocity at the start of the step; on exit the solution, ghosts current. `rhs` over owned
+  /// vertices. The residual falls by the factor `tolerance` from that of the entry. Collective.
   SolveReport solve(const VertexMatrix& matrix, std::span<const Vec3> rhs, std::span<const char> prescribed,
                     double tolerance, std::vector<Vec3>& v);
 
- private:
+private:
   struct Petsc;
   const DistributedMesh& mesh_;
   std::unique_ptr<Petsc> petsc_;

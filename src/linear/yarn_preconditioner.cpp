@@ -1,38 +1,12 @@
 #include "src/linear/yarn_preconditioner.hpp"
 
-#include "src/linear/petsc.hpp"
-
 #include <petsc/private/pcimpl.h> // the way PETSc offers to add a preconditioner type
 
 namespace taut {
 
-void YarnFactor::factor(const YarnTridiagonal& matrix) {
-  const std::size_t n = matrix.diagonal.size();
-  lower_.resize(n);
-  inverse_diagonal_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double coupling = matrix.to_previous[i];
-    lower_[i] = i == 0 ? 0.0 : coupling * inverse_diagonal_[i - 1];
-    inverse_diagonal_[i] = 1.0 / (matrix.diagonal[i] - lower_[i] * coupling);
-  }
-}
-
-void YarnFactor::solve(std::span<const double> b, std::span<double> x) const {
-  const std::size_t n = lower_.size();
-  double carried = 0;
-  for (std::size_t i = 0; i < n; ++i) x[i] = carried = b[i] - lower_[i] * carried;
-  double after = 0;
-  for (std::size_t i = n; i-- > 0;) {
-    x[i] = x[i] * inverse_diagonal_[i] - after;
-    after = lower_[i] * x[i];
-  }
-}
-
 namespace {
 
-constexpr const char* key = "taut_yarn_tridiagonal";
-
-YarnFactor& factor_of(PC pc) { return *static_cast<YarnFactor*>(pc->data); }
+constexpr const char* key = "taut_yarn_blocks";
 
 PetscErrorCode set_up(PC pc) {
   PetscFunctionBegin;
@@ -40,9 +14,9 @@ PetscErrorCode set_up(PC pc) {
   PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(pc->pmat), key, &container));
   PetscCheck(container, PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_ARG_WRONGSTATE,
              "pc_type yarn works on the projection matrix only");
-  void* matrix = nullptr;
-  PetscCall(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &matrix));
-  factor_of(pc).factor(*static_cast<const YarnTridiagonal*>(matrix));
+  PetscCall(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &pc->data));
+  auto* blocks = static_cast<YarnBlocks*>(pc->data);
+  blocks->factor.factor(blocks->matrix);
   PetscFunctionReturn(0);
 }
 
@@ -54,22 +28,21 @@ PetscErrorCode apply(PC pc, Vec b, Vec x) {
   PetscCall(VecGetLocalSize(b, &n));
   PetscCall(VecGetArrayRead(b, &from));
   PetscCall(VecGetArrayWrite(x, &to));
-  factor_of(pc).solve({from, std::size_t(n)}, {to, std::size_t(n)});
+  static_cast<YarnBlocks*>(pc->data)->factor.solve({from, std::size_t(n)}, {to, std::size_t(n)});
   PetscCall(VecRestoreArrayWrite(x, &to));
   PetscCall(VecRestoreArrayRead(b, &from));
   PetscFunctionReturn(0);
 }
 
+/// The blocks are the matrix's; there is nothing to free.
 PetscErrorCode destroy(PC pc) {
   PetscFunctionBegin;
-  delete static_cast<YarnFactor*>(pc->data);
   pc->data = nullptr;
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode create(PC pc) {
   PetscFunctionBegin;
-  pc->data = new YarnFactor;
   pc->ops->setup = set_up;
   pc->ops->apply = apply;
   pc->ops->applytranspose = apply;
@@ -81,11 +54,12 @@ PetscErrorCode create(PC pc) {
 
 void register_yarn_preconditioner() { check(PCRegister("yarn", create)); }
 
-void attach(Mat matrix, YarnTridiagonal* yarns) {
+void attach(Mat matrix, YarnBlocks& blocks) {
   PetscContainer container = nullptr;
   check(PetscContainerCreate(PetscObjectComm(reinterpret_cast<PetscObject>(matrix)), &container));
-  check(PetscContainerSetPointer(container, yarns));
-  check(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), key, reinterpret_cast<PetscObject>(container)));
+  check(PetscContainerSetPointer(container, &blocks));
+  check(PetscObjectCompose(reinterpret_cast<PetscObject>(matrix), key,
+                           reinterpret_cast<PetscObject>(container)));
   check(PetscContainerDestroy(&container));
 }
 

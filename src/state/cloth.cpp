@@ -14,9 +14,12 @@ namespace {
 double measure_of(const LocalCell& cell, std::span<const Vec3> x) {
   const auto& v = cell.vertices;
   switch (cell.size()) {
-  case 2: return (x[v[1]] - x[v[0]]).norm();
-  case 3: return 0.5 * (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]).norm();
-  default: return 0.5 * (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]).norm();
+  case 2:
+    return (x[v[1]] - x[v[0]]).norm();
+  case 3:
+    return 0.5 * (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]).norm();
+  default:
+    return 0.5 * (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]).norm();
   }
 }
 

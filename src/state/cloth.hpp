@@ -15,11 +15,11 @@ struct Cloth {
 
 /// What changes: fields over [owned | ghosts], ghosts current.
 struct State {
-  double time = 0;                    ///< s
-  Global step = 0;                    ///< accepted steps so far
-  std::vector<Vec3> positions;        ///< m, of local vertices
-  std::vector<Vec3> velocities;       ///< m/s
-  std::vector<double> force_density;  ///< N/m, of local edges: the tension of an edge over its length
+  double time = 0;                   ///< s
+  Global step = 0;                   ///< accepted steps so far
+  std::vector<Vec3> positions;       ///< m, of local vertices
+  std::vector<Vec3> velocities;      ///< m/s
+  std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
 };
 
 /// What a step proposes before it is accepted.

@@ -11,15 +11,16 @@ namespace taut {
 
 namespace {
 
-/// Rotations between two keyframes interpolate the angle if they turn about one axis, and the rotation vector if not.
+/// Rotations between two keyframes interpolate the angle if they turn about one axis, and the rotation vector
+/// if not.
 config::Keyframe between(const config::Keyframe& a, const config::Keyframe& b, double time) {
   const double s = (time - a.time) / (b.time - a.time);
   config::Keyframe k = b;
   k.time = time;
   k.translate = (1 - s) * a.translate + s * b.translate;
   k.rotate.centre = (1 - s) * a.rotate.centre + s * b.rotate.centre;
-  const Vec3 turn = (1 - s) * a.rotate.angle * a.rotate.axis.normalized() +
-                    s * b.rotate.angle * b.rotate.axis.normalized();
+  const Vec3 turn =
+      (1 - s) * a.rotate.angle * a.rotate.axis.normalized() + s * b.rotate.angle * b.rotate.axis.normalized();
   k.rotate.angle = turn.norm();
   if (k.rotate.angle > 0) k.rotate.axis = turn;
   return k;
@@ -30,8 +31,8 @@ Vec3 apply(const config::Keyframe& k, const Vec3& start) {
   return k.rotate.centre + turn * (start - k.rotate.centre) + k.translate;
 }
 
-/// The owned vertex of the rank that is nearest to `point`; the lowest original number decides among equals. -1 on all
-/// other ranks.
+/// The owned vertex of the rank that is nearest to `point`; the lowest original number decides among equals.
+/// -1 on all other ranks.
 Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point) {
   const IndexMap& map = cloth.mesh.vertices;
   double best = std::numeric_limits<double>::infinity();
@@ -44,7 +45,8 @@ Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point
     }
   }
   const double least = -max_over(cloth.mesh.comm, -best);
-  const Global mine = vertex >= 0 && best == least ? -map.original[vertex] : std::numeric_limits<Global>::min();
+  const Global mine =
+      vertex >= 0 && best == least ? -map.original[vertex] : std::numeric_limits<Global>::min();
   return max_over(cloth.mesh.comm, mine) == mine && vertex >= 0 && best == least ? vertex : -1;
 }
 
@@ -60,8 +62,9 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::
   std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
   for (const Global v : wanted)
     if (v < 0 || v >= map.total)
-      throw InputError(fmt::format("{}.vertices: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
-                                   v, map.total));
+      throw InputError(
+          fmt::format("{}.vertices: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
+                      v, map.total));
   std::sort(wanted.begin(), wanted.end());
   for (Local i = 0; i < map.owned; ++i) {
     const bool inside = pin.box && (start[i].array() >= pin.box->min.array()).all() &&
@@ -69,9 +72,10 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::
     if (inside || std::binary_search(wanted.begin(), wanted.end(), map.original[i])) found.push_back(i);
   }
   if (sum_over(cloth.mesh.comm, Global(found.size())) == 0)
-    throw InputError(fmt::format("{}: no vertex of the cloth starts inside this box; `taut info CASE` tells where the "
-                                 "cloth starts",
-                                 key));
+    throw InputError(
+        fmt::format("{}: no vertex of the cloth starts inside this box; `taut info CASE` tells where the "
+                    "cloth starts",
+                    key));
   return found;
 }
 
@@ -94,8 +98,8 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
   for (std::size_t k = 0; k < pins_.size(); ++k)
     for (const Local v : vertices_of(cloth, pins_[k], start, key(k))) {
       if (pin_of[v] >= 0 && pin_of[v] != int(k) && !fault)
-        fault = fmt::format("{}: vertex {} is held by pins.{} already; a vertex can belong to one pin only", key(k),
-                            map.original[v], pin_of[v]);
+        fault = fmt::format("{}: vertex {} is held by pins.{} already; a vertex can belong to one pin only",
+                            key(k), map.original[v], pin_of[v]);
       pin_of[v] = int(k);
     }
   agree(cloth.mesh.comm, fault);
@@ -106,12 +110,14 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
   count_ = sum_over(cloth.mesh.comm, Global(std::count_if(pin_of.begin(), pin_of.begin() + map.owned,
                                                           [](int pin) { return pin >= 0; })));
   if (count_ == map.total)
-    throw InputError(fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
-                                 input.file.string(), count_));
+    throw InputError(
+        fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
+                    input.file.string(), count_));
   if (input.inextensibility.method != config::InextensibilityMethod::none) check_edges(cloth, input);
 }
 
-/// Distances between points that move along straight lines are largest at keyframes, so it is enough to look there.
+/// Distances between points that move along straight lines are largest at keyframes, so it is enough to look
+/// there.
 void Pins::check_edges(const Cloth& cloth, const Case& input) const {
   std::vector<double> times{0.0};
   for (const config::Pin& pin : pins_)
@@ -123,15 +129,18 @@ void Pins::check_edges(const Cloth& cloth, const Case& input) const {
   for (Local e = 0; e < cloth.mesh.edges.owned && !fault; ++e) {
     const Held *a = held_at[cloth.mesh.edge_vertices[e][0]], *b = held_at[cloth.mesh.edge_vertices[e][1]];
     if (!a || !b) continue;
-    const double released = std::min(pins_[a->pin].release.value_or(HUGE_VAL), pins_[b->pin].release.value_or(HUGE_VAL));
+    const double released =
+        std::min(pins_[a->pin].release.value_or(HUGE_VAL), pins_[b->pin].release.value_or(HUGE_VAL));
     for (const double time : times) {
-      const Vec3 d = place_at(pins_[a->pin].motion, a->start, time) - place_at(pins_[b->pin].motion, b->start, time);
+      const Vec3 d =
+          place_at(pins_[a->pin].motion, a->start, time) - place_at(pins_[b->pin].motion, b->start, time);
       const double strain = d.norm() / cloth.rest_length[e] - 1.0;
       if (time >= released || time > input.time.end || std::abs(strain) <= limit) continue;
-      fault = fmt::format("{}: pins.{} and pins.{} hold the two ends of an edge, vertices {} and {}, and bring it to a "
-                          "strain of {:.3g} at {:g} s, beyond the limit {:g}; move them less, or pin only one of the two",
-                          input.file.string(), a->pin, b->pin, cloth.mesh.vertices.original[a->vertex],
-                          cloth.mesh.vertices.original[b->vertex], strain, time, limit);
+      fault = fmt::format(
+          "{}: pins.{} and pins.{} hold the two ends of an edge, vertices {} and {}, and bring it to a "
+          "strain of {:.3g} at {:g} s, beyond the limit {:g}; move them less, or pin only one of the two",
+          input.file.string(), a->pin, b->pin, cloth.mesh.vertices.original[a->vertex],
+          cloth.mesh.vertices.original[b->vertex], strain, time, limit);
       break;
     }
   }

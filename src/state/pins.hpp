@@ -5,19 +5,21 @@ namespace taut {
 
 /// Vertices whose motion is prescribed: at rest, or along keyframes, until they are let go.
 class Pins {
- public:
-  /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError, naming the
-  /// file and `pins.k`, for a vertex that is not there, a box without vertices, a vertex in two pins, pins that leave no
-  /// vertex free, or pins that bring an edge between them over the strain limit. Collective.
+public:
+  /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError,
+  /// naming the file and `pins.k`, for a vertex that is not there, a box without vertices, a vertex in two
+  /// pins, pins that leave no vertex free, or pins that bring an edge between them over the strain limit.
+  /// Collective.
   Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start);
 
-  /// For the step from state.time to state.time + dt: marks the vertices that are held (local vertices, ghosts too) and gives
-  /// them in `velocities` the velocity that brings them to their place. Not collective.
-  void prescribe(const State& state, double dt, std::vector<char>& prescribed, std::vector<Vec3>& velocities) const;
+  /// For the step from state.time to state.time + dt: marks the vertices that are held (local vertices,
+  /// ghosts too) and gives them in `velocities` the velocity that brings them to their place. Not collective.
+  void prescribe(const State& state, double dt, std::vector<char>& prescribed,
+                 std::vector<Vec3>& velocities) const;
 
   Global count() const { return count_; } ///< pinned vertices over all ranks, at the start
 
- private:
+private:
   struct Held {
     Local vertex;
     std::size_t pin;
@@ -30,8 +32,8 @@ class Pins {
   Global count_ = 0;
 };
 
-/// Where a point that starts at `start` is at `time`: turned, then moved; keyframes interpolated linearly, the first and
-/// the last held before and after.
+/// Where a point that starts at `start` is at `time`: turned, then moved; keyframes interpolated linearly,
+/// the first and the last held before and after.
 Vec3 place_at(const std::vector<config::Keyframe>& motion, const Vec3& start, double time);
 
 } // namespace taut

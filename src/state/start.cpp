@@ -19,10 +19,12 @@ MeshSlab load_mesh(MPI_Comm comm, const Case& input) {
 }
 
 void check_inextensibility(const Case& input, const Topology& topology, const std::string& mesh) {
-  if (input.inextensibility.method == config::InextensibilityMethod::none || topology.constrained_edges > 0) return;
-  throw InputError(fmt::format("{}: no constraint is left: inextensibility acts along the edges of quads and lines, and "
-                               "this mesh has triangles only; use a mesh of quads, or inextensibility.method: none",
-                               mesh));
+  if (input.inextensibility.method == config::InextensibilityMethod::none || topology.constrained_edges > 0)
+    return;
+  throw InputError(
+      fmt::format("{}: no constraint is left: inextensibility acts along the edges of quads and lines, and "
+                  "this mesh has triangles only; use a mesh of quads, or inextensibility.method: none",
+                  mesh));
 }
 
 } // namespace
@@ -43,8 +45,8 @@ State start_state(const Cloth& cloth, const Case& input) {
   State state;
   state.positions = mesh.rest_positions;
   if (start.shape) {
-    const auto rows =
-        read_obj_positions(mesh.comm, input.folder() / *start.shape, input.cloth.scale, mesh.vertex_order.slab());
+    const auto rows = read_obj_positions(mesh.comm, input.folder() / *start.shape, input.cloth.scale,
+                                         mesh.vertex_order.slab());
     mesh.vertex_order.from_slab<Vec3>(rows, state.positions);
     mesh.vertex_halo.update(state.positions);
   }

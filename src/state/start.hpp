@@ -3,8 +3,8 @@
 
 namespace taut {
 
-/// The cloth of a case, on all ranks: read or made, checked, partitioned. Throws InputError for a mesh that cannot be
-/// simulated. Collective.
+/// The cloth of a case, on all ranks: read or made, checked, partitioned. Throws InputError for a mesh that
+/// cannot be simulated. Collective.
 Cloth load_cloth(MPI_Comm comm, const Case& input);
 
 /// At rest, in the start shape. Collective.

@@ -16,7 +16,8 @@ struct WarpWeft {
   std::vector<double> warp, weft;
 };
 
-WarpWeft mean_over_sides(const std::vector<std::array<Local, 4>>& sides, const std::vector<double>& edge_values) {
+WarpWeft mean_over_sides(const std::vector<std::array<Local, 4>>& sides,
+                         const std::vector<double>& edge_values) {
   const auto mean = [&](Local a, Local b) {
     double sum = 0;
     int count = 0;
@@ -62,7 +63,8 @@ CellLists cells_in_order(const DistributedMesh& mesh) {
   std::vector<std::array<Global, 4>> owned;
   for (const Local c : mesh.owned_cells) {
     auto& cell = owned.emplace_back(std::array<Global, 4>{-1, -1, -1, -1});
-    for (int k = 0; k < mesh.cells[c].size(); ++k) cell[k] = mesh.vertices.original[mesh.cells[c].vertices[k]];
+    for (int k = 0; k < mesh.cells[c].size(); ++k)
+      cell[k] = mesh.vertices.original[mesh.cells[c].vertices[k]];
   }
   CellLists lists;
   for (const auto& cell : mesh.cell_order.to_slab<std::array<Global, 4>>(owned)) {
@@ -112,7 +114,8 @@ void FrameWriter::after_frame(const State& state, Global frame) { write_frame(st
 void FrameWriter::write_mesh() {
   const DistributedMesh& mesh = cloth_.mesh;
   const CellLists cells = cells_in_order(mesh);
-  const Slab faces = mesh.cell_order.slab(), vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab();
+  const Slab faces = mesh.cell_order.slab(), vertices = mesh.vertex_order.slab(),
+             edges = mesh.edge_order.slab();
   const Slab corners = rows_of(mesh.comm, cells.vertices.size());
   std::vector<Global> offsets(cells.offsets.begin(), cells.offsets.end() - 1);
   const bool last = rank_of(mesh.comm) == size_of(mesh.comm) - 1;
@@ -121,7 +124,8 @@ void FrameWriter::write_mesh() {
 
   std::vector<std::array<Global, 2>> ends;
   for (Local e = 0; e < mesh.edges.owned; ++e)
-    ends.push_back({mesh.vertices.original[mesh.edge_vertices[e][0]], mesh.vertices.original[mesh.edge_vertices[e][1]]});
+    ends.push_back(
+        {mesh.vertices.original[mesh.edge_vertices[e][0]], mesh.vertices.original[mesh.edge_vertices[e][1]]});
   ends = mesh.edge_order.to_slab<std::array<Global, 2>>(ends);
 
   const bool mixed = shape_of(mesh) == XdmfCells::mixed;
@@ -131,7 +135,8 @@ void FrameWriter::write_mesh() {
     file.write<Global>("/faces", cells.vertices, 1, corners);
     file.write<Global>("/face_offsets", offsets, 1, rows_of(mesh.comm, offsets.size()));
     file.write<Global>("/constraints/edges", {ends.data()->data(), 2 * ends.size()}, 2, edges);
-    file.write<double>("/constraints/rest_lengths", mesh.edge_order.to_slab<double>(cloth_.rest_length), 1, edges);
+    file.write<double>("/constraints/rest_lengths", mesh.edge_order.to_slab<double>(cloth_.rest_length), 1,
+                       edges);
     if (wants(config::Field::owner_rank)) {
       const std::vector<std::int32_t> rank(mesh.vertices.owned, rank_of(mesh.comm));
       file.write<std::int32_t>("/owner_rank", mesh.vertex_order.to_slab<std::int32_t>(rank), 1, vertices);
@@ -166,8 +171,8 @@ void FrameWriter::describe(bool has_mixed_cells) {
     if (!wants(field)) continue;
     edges_.fields.push_back({name, fmt::format("/{}", name), XdmfCentre::cell});
     for (const char* direction : {"warp", "weft"})
-      cells_.fields.push_back(
-          {fmt::format("{}_{}", name, direction), fmt::format("/cells/{}_{}", name, direction), XdmfCentre::cell});
+      cells_.fields.push_back({fmt::format("{}_{}", name, direction),
+                               fmt::format("/cells/{}_{}", name, direction), XdmfCentre::cell});
   }
 }
 
@@ -175,7 +180,8 @@ void FrameWriter::write_frame(const State& state, Global frame) {
   using enum config::Field;
   const double begin = MPI_Wtime();
   const DistributedMesh& mesh = cloth_.mesh;
-  const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(), faces = mesh.cell_order.slab();
+  const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(),
+             faces = mesh.cell_order.slab();
   std::vector<double> strains, tensions;
   for (Local e = 0; e < mesh.edges.size(); ++e) {
     strains.push_back(strain_of(cloth_, state.positions, e));
@@ -184,13 +190,16 @@ void FrameWriter::write_frame(const State& state, Global frame) {
   const auto write_edge_field = [&](H5Writer& file, const char* name, const std::vector<double>& values) {
     const WarpWeft on_cells = mean_over_sides(sides_, values);
     file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
-    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1, faces);
-    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1, faces);
+    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1,
+                       faces);
+    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1,
+                       faces);
   };
   write_whole(mesh.comm, folder_ / frame_file(frame), [&](H5Writer& file) {
     file.attribute("time", state.time);
     file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
-    if (wants(velocity)) file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
+    if (wants(velocity))
+      file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
     if (wants(strain)) write_edge_field(file, "strain", strains);
     if (wants(tension)) write_edge_field(file, "tension", tensions);
   });

@@ -6,10 +6,11 @@
 
 namespace taut {
 
-/// Writes what ParaView shows: `mesh.h5`, `frames/frame_NNNNNN.h5`, `frames.xdmf` (cells) and `edges.xdmf` (constrained
-/// edges), everything in input order. Each file appears whole; the XDMF files are rewritten after every frame.
+/// Writes what ParaView shows: `mesh.h5`, `frames/frame_NNNNNN.h5`, `frames.xdmf` (cells) and `edges.xdmf`
+/// (constrained edges), everything in input order. Each file appears whole; the XDMF files are rewritten
+/// after every frame.
 class FrameWriter : public Observer {
- public:
+public:
   /// `cloth` must outlive the writer; `folder` exists. Collective.
   FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder);
 
@@ -19,7 +20,7 @@ class FrameWriter : public Observer {
   Global frames() const { return Global(cells_.frames.size()); }
   double seconds() const { return seconds_; }
 
- private:
+private:
   void write_mesh();
   void write_frame(const State& state, Global frame);
   void describe(bool has_mixed_cells);
@@ -28,7 +29,8 @@ class FrameWriter : public Observer {
   const Cloth& cloth_;
   std::vector<config::Field> fields_;
   std::filesystem::path folder_;
-  std::vector<std::array<Local, 4>> sides_; ///< of owned cells: the constrained edge on each side, -1 for none
+  std::vector<std::array<Local, 4>>
+      sides_; ///< of owned cells: the constrained edge on each side, -1 for none
   XdmfDescription cells_, edges_;
   double seconds_ = 0;
 };

@@ -5,7 +5,8 @@ namespace taut {
 namespace {
 
 SolverOptions solver_options(const config::Velocity& options) {
-  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps : SolverOptions::Kind::cg,
+  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
+                                                        : SolverOptions::Kind::cg,
           options.max_iterations};
 }
 
@@ -13,8 +14,8 @@ SolverOptions solver_options(const config::Velocity& options) {
 
 ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
                              const config::Velocity& options)
-    : cloth_(cloth), forces_(forces), tolerance_(options.tolerance), step_(pattern, cloth.mesh.vertices.size()),
-      solver_(cloth.mesh, pattern, solver_options(options)) {}
+    : cloth_(cloth), forces_(forces), tolerance_(options.tolerance),
+      step_(pattern, cloth.mesh.vertices.size()), solver_(cloth.mesh, pattern, solver_options(options)) {}
 
 SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<const char> prescribed,
                                    std::vector<Vec3>& velocities) {

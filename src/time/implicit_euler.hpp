@@ -9,17 +9,20 @@ namespace taut {
 
 using Forces = std::vector<std::unique_ptr<Force>>;
 
-/// One linearised implicit-Euler step for the velocities [BW98 eq. 6], pins inside the system [BW98 section 5].
+/// One linearised implicit-Euler step for the velocities [BW98 eq. 6], pins inside the system [BW98 section
+/// 5].
 class ImplicitEuler {
- public:
+public:
   /// All references must outlive the integrator. Collective.
-  ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces, const config::Velocity& options);
+  ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
+                const config::Velocity& options);
 
-  /// `velocities` (local) holds the prescribed values where `prescribed`, the start velocities elsewhere; on exit those at the
-  /// end of the step, ghosts current. Collective.
-  SolveReport predict(const State& start, double dt, std::span<const char> prescribed, std::vector<Vec3>& velocities);
+  /// `velocities` (local) holds the prescribed values where `prescribed`, the start velocities elsewhere; on
+  /// exit those at the end of the step, ghosts current. Collective.
+  SolveReport predict(const State& start, double dt, std::span<const char> prescribed,
+                      std::vector<Vec3>& velocities);
 
- private:
+private:
   const Cloth& cloth_;
   const Forces& forces_;
   double tolerance_;

@@ -32,14 +32,14 @@ struct StepRecord {
   int iterations = 0;          ///< of the projection
   int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
   Strain strain;
-  double depth = 0;            ///< m the lowest point has come down since the start
+  double depth = 0; ///< m the lowest point has come down since the start
   Energies energies;
-  PhaseSeconds seconds;        ///< rejected attempts included
+  PhaseSeconds seconds; ///< rejected attempts included
 };
 
 /// Watches a run. Observers never change it. All calls are collective.
 class Observer {
- public:
+public:
   virtual ~Observer() = default;
   virtual void at_start(const State&) {}
   virtual void after_step(const State&, const StepRecord&) {}

@@ -25,7 +25,8 @@ void Progress::after_frame(const State& state, Global frame) {
   if (!speaks_) return;
   const double now = MPI_Wtime(), steps = frame_.steps;
   if (style_ == ProgressStyle::bar) fmt::print("\r\033[K");
-  fmt::print("frame {:>{}}/{}  t {:.3f} s  steps {}{}  strain {:.2f} %  projections {:.1f}/step ({:.0f} CG)  velocity "
+  fmt::print("frame {:>{}}/{}  t {:.3f} s  steps {}{}  strain {:.2f} %  projections {:.1f}/step ({:.0f} CG)  "
+             "velocity "
              "{:.0f} CG  {:.2g} s/frame  left {}\n",
              frame, std::to_string(frames_).size(), frames_, state.time, frame_.steps,
              frame_.rejected > 0 ? fmt::format(" (+{} rejected)", frame_.rejected) : "", 100 * frame_.strain,

@@ -12,13 +12,13 @@ enum class ProgressStyle {
 
 /// Tells how a run goes on, on rank 0's standard output.
 class Progress : public Observer {
- public:
+public:
   Progress(MPI_Comm comm, ProgressStyle style, Global frames, double end_time);
 
   void after_step(const State& state, const StepRecord& record) override;
   void after_frame(const State& state, Global frame) override;
 
- private:
+private:
   void draw_bar(const State& state) const;
   double seconds_left(const State& state) const;
 

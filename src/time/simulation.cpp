@@ -20,10 +20,12 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
   const config::Material& material = cloth.material;
   Forces forces;
   forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
-  forces.push_back(std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
+  forces.push_back(
+      std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
   forces.push_back(std::make_unique<QuadShear>(cloth, pattern, material.shear, material.damping.stiffness));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.inextensibility.carried_tension && input.inextensibility.method != config::InextensibilityMethod::none)
+  if (input.inextensibility.carried_tension &&
+      input.inextensibility.method != config::InextensibilityMethod::none)
     forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
   return forces;
 }
@@ -40,14 +42,14 @@ std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, co
 
 /// Seconds since the last call.
 class Stopwatch {
- public:
+public:
   double lap() {
     const double now = MPI_Wtime(), lap = now - last_;
     last_ = now;
     return lap;
   }
 
- private:
+private:
   double last_ = MPI_Wtime();
 };
 
@@ -56,8 +58,9 @@ class Stopwatch {
 Simulation::Simulation(MPI_Comm comm, const Case& input)
     : comm_(comm), inextensibility_(input.inextensibility),
       down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)), pins_(cloth_, input, state_.positions),
-      pattern_(cloth_.mesh), forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
+      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)),
+      pins_(cloth_, input, state_.positions), pattern_(cloth_.mesh),
+      forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
       integrator_(cloth_, pattern_, forces_, input.velocity), step_size_(input.time),
       end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
       start_depth_(lowest(cloth_, state_.positions, down_)) {}
@@ -65,7 +68,7 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
 Outcome Simulation::run(std::span<Observer* const> observers) {
   Outcome outcome;
   for (Observer* o : observers) o->at_start(state_);
-  int rejected = 0;     // attempts since the last accepted step
+  int rejected = 0;    // attempts since the last accepted step
   PhaseSeconds wasted; // on them
   for (Global frame = 1; frame <= step_size_.frames();) {
     const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
@@ -76,8 +79,8 @@ Outcome Simulation::run(std::span<Observer* const> observers) {
       wasted += record.seconds;
       step_size_.rejected(dt);
       if (!step_size_.exhausted()) continue;
-      outcome.reason = fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}", state_.time, dt,
-                                   failure);
+      outcome.reason = fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}",
+                                   state_.time, dt, failure);
       return outcome;
     }
     step_size_.accepted();
@@ -105,7 +108,8 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.velocities = state_.velocities;
   candidate_.force_density.resize(state_.force_density.size());
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
-    candidate_.force_density[e] = inextensibility_.carried_tension ? std::max(state_.force_density[e], 0.0) : 0.0;
+    candidate_.force_density[e] =
+        inextensibility_.carried_tension ? std::max(state_.force_density[e], 0.0) : 0.0;
   pins_.prescribe(state_, dt, prescribed_, candidate_.velocities);
   const SolveReport predicted = integrator_.predict(state_, dt, prescribed_, candidate_.velocities);
   record.velocity_iterations = predicted.iterations;

@@ -8,21 +8,21 @@ namespace taut {
 
 struct Outcome {
   bool completed = false;
-  std::string reason;      ///< why not
+  std::string reason; ///< why not
   Global rejected_steps = 0;
 };
 
 /// A case in motion: prediction by implicit Euler, then the filters, then acceptance by measurement.
 class Simulation {
- public:
+public:
   /// Sets everything up; throws InputError for what is wrong with the case. Collective.
   Simulation(MPI_Comm comm, const Case& input);
 
   /// Until the end time, or until a step would have to be smaller than `time.min_step`. Collective.
   Outcome run(std::span<Observer* const> observers);
 
-  /// One step from the present state, thrown away: the linear solvers are set up and have read all their options.
-  /// Collective.
+  /// One step from the present state, thrown away: the linear solvers are set up and have read all their
+  /// options. Collective.
   void rehearse();
 
   const Cloth& cloth() const { return cloth_; }
@@ -31,7 +31,7 @@ class Simulation {
   const Forces& forces() const { return forces_; }
   const StepSize& step_size() const { return step_size_; }
 
- private:
+private:
   struct Attempt {
     StepRecord record;
     std::string failure; ///< empty if the step can be accepted

@@ -7,14 +7,17 @@
 
 namespace taut {
 
-StepLog::StepLog(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& potentials) {
+StepLog::StepLog(MPI_Comm comm, const std::filesystem::path& file,
+                 const std::vector<std::string>& potentials) {
   broadcast(comm, [&] {
     out_.open(file);
-    if (!out_) throw InputError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+    if (!out_)
+      throw InputError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
     return std::string();
   });
   if (!out_.is_open()) return;
-  out_ << "step,time_s,dt_s,rejected,strain_max,strain_rms,depth_m,projection_iterations,projection_ksp_iterations,"
+  out_ << "step,time_s,dt_s,rejected,strain_max,strain_rms,depth_m,projection_iterations,projection_ksp_"
+          "iterations,"
           "velocity_ksp_iterations,kinetic_J";
   for (const std::string& p : potentials) out_ << ',' << p << "_J";
   out_ << ",velocity_s,projection_s\n";
@@ -22,9 +25,9 @@ StepLog::StepLog(MPI_Comm comm, const std::filesystem::path& file, const std::ve
 
 void StepLog::after_step(const State& state, const StepRecord& r) {
   if (!out_.is_open()) return;
-  out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{:.9g}", state.step, state.time, r.dt,
-                      r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations, r.linear_iterations,
-                      r.velocity_iterations, r.energies.kinetic);
+  out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{:.9g}", state.step, state.time,
+                      r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations,
+                      r.linear_iterations, r.velocity_iterations, r.energies.kinetic);
   for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
   out_ << fmt::format(",{:.4g},{:.4g}\n", r.seconds.velocity, r.seconds.projection);
 }

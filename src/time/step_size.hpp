@@ -3,11 +3,11 @@
 
 namespace taut {
 
-/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames; halved after a
-/// rejected step, doubled again after a few accepted ones [BW98 section 6: after a doubling that
+/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames; halved
+/// after a rejected step, doubled again after a few accepted ones [BW98 section 6: after a doubling that
 /// failed, wait longer before the next].
 class StepSize {
- public:
+public:
   explicit StepSize(const config::Time& time) : time_(time), step_(time.max_step) {}
 
   Global frames() const; ///< of the whole run, the start not counted
@@ -24,7 +24,7 @@ class StepSize {
   void rejected(double dt);
   bool exhausted() const { return step_ < time_.min_step; }
 
- private:
+private:
   config::Time time_;
   double step_;
   int successes_ = 0;

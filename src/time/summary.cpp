@@ -40,12 +40,14 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   seconds_ += r.seconds;
   const Cloth& cloth = simulation_.cloth();
   for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
-    const double bin = std::ceil(std::abs(strain_of(cloth, state.positions, e)) / input_.inextensibility.strain * bins);
+    const double bin =
+        std::ceil(std::abs(strain_of(cloth, state.positions, e)) / input_.inextensibility.strain * bins);
     ++histogram_[bin < bins ? int(bin) : bins];
   }
 }
 
-/// The strain that `fraction` of all edges in all steps do not exceed, to 1/1000 of the limit; no more than the maximum.
+/// The strain that `fraction` of all edges in all steps do not exceed, to 1/1000 of the limit; no more than
+/// the maximum.
 double Summary::quantile(double fraction) const {
   std::vector<double> count(histogram_);
   sum_in_place(simulation_.cloth().mesh.comm, count);

@@ -5,7 +5,7 @@ namespace taut {
 
 /// Collects what `summary.json` tells about a run: the verdict, and the figures behind it.
 class Summary : public Observer {
- public:
+public:
   /// `setup_seconds`: wall-clock time spent before the run. `simulation` must outlive the summary.
   Summary(const Simulation& simulation, const Case& input, double setup_seconds);
 
@@ -14,7 +14,7 @@ class Summary : public Observer {
   /// The text of `summary.json`, the same on every rank. Collective.
   std::string text(const Outcome& outcome, Global frames, double output_seconds) const;
 
- private:
+private:
   double quantile(double fraction) const;
 
   const Simulation& simulation_;
@@ -23,7 +23,8 @@ class Summary : public Observer {
   Global steps_ = 0, iterations_ = 0, linear_iterations_ = 0, velocity_iterations_ = 0;
   int iterations_max_ = 0;
   double strain_max_ = 0, strain_squares_ = 0;
-  std::vector<double> histogram_; ///< of this rank's |strain| over all accepted steps, in bins of limit / 1000
+  std::vector<double>
+      histogram_; ///< of this rank's |strain| over all accepted steps, in bins of limit / 1000
   PhaseSeconds seconds_;
 };
 

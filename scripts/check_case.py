@@ -1,0 +1,218 @@
+"""Runs a case in a temporary folder and compares the run with the case's expected.yaml. Started by scripts/check-case.
+
+expected.yaml holds `checks`, a list of
+    {quantity: strain.max, at_most: 0.01}                          a path in summary.json
+    {quantity: depth, at: 0.3, value: 0.441, tolerance: 5 %}       a column of steps.csv at a time in s (between two
+                                                                   steps: linear); its unit is left out: depth_m
+each with one or more of at_most, at_least, equals, and value with a tolerance (absolute, or in %); and `options`:
+    set: {time.end: 0.5}     keys of the case that are replaced, e.g. to shorten it
+    ranks: [1, 2]            the numbers of ranks to run at (default: 1)
+    timeout: 60              s for a run (default: 120)
+Whatever the case, the files of the run are checked too: datasets, strain, list of frames.
+"""
+import argparse
+import csv
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+MESH = ["rest_positions", "faces", "face_offsets", "constraints/edges", "constraints/rest_lengths"]
+FRAME = ["positions", "velocities", "strain", "tension"]
+
+
+class Row(NamedTuple):
+    """A line of the verdict."""
+    quantity: str
+    expected: str
+    measured: str
+    passed: bool
+
+
+class Run:
+    """The output folder of a run that has ended."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.summary = json.loads((folder / "summary.json").read_text())
+        with open(folder / "steps.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.steps = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]} if rows else {}
+        self.frames = sorted((folder / "frames").glob("frame_*.h5"))
+
+    def quantity(self, name, time):
+        if time is None:
+            value = self.summary
+            for key in name.split("."):
+                value = value[key]
+            return value
+        columns = [c for c in self.steps if c == name or re.fullmatch(re.escape(name) + "_[A-Za-z]+", c)]
+        if len(columns) != 1:
+            raise KeyError(f"steps.csv has no column {name}; it has {', '.join(self.steps)}")
+        times = self.steps["time_s"]
+        if not times[0] <= time <= times[-1] + 1e-9:
+            raise KeyError(f"the run has no step at {time} s")
+        return float(np.interp(time, times, self.steps[columns[0]]))
+
+
+def allowance(tolerance, value):
+    text = str(tolerance).strip()
+    return float(text[:-1]) / 100 * abs(value) if text.endswith("%") else float(text)
+
+
+def judge(check, measured):
+    """What was expected in words, and whether it holds. Numbers may be text: YAML 1.1 reads 1e-06 so."""
+    words, passed = [], True
+    if "value" in check:
+        value = float(check["value"])
+        words.append(f"{value:g} +- {check['tolerance']}")
+        passed &= abs(measured - value) <= allowance(check["tolerance"], value)
+    if "at_most" in check:
+        words.append(f"<= {check['at_most']}")
+        passed &= measured <= float(check["at_most"])
+    if "at_least" in check:
+        words.append(f">= {check['at_least']}")
+        passed &= measured >= float(check["at_least"])
+    if "equals" in check:
+        words.append(str(check["equals"]))
+        passed &= measured == check["equals"]
+    if not words:
+        raise KeyError("give at_most, at_least, equals, or value and tolerance")
+    return ", ".join(words), bool(passed)
+
+
+def checked(run, check):
+    name, time = check["quantity"], check.get("at")
+    label = name if time is None else f"{name} at {time} s"
+    try:
+        measured = run.quantity(name, None if time is None else float(time))
+        expected, passed = judge(check, measured)
+    except (KeyError, TypeError) as error:
+        return Row(label, "", f"cannot be told: {error}", False)
+    return Row(label, expected, f"{measured:.6g}" if isinstance(measured, float) else str(measured), passed)
+
+
+def contract(run):
+    """The rows about the files of a run."""
+    with h5py.File(run.folder / "mesh.h5") as mesh:
+        missing = [f"mesh.h5/{name}" for name in MESH if name not in mesh]
+        edges, rest = mesh["constraints/edges"][:], mesh["constraints/rest_lengths"][:]
+        points, corners, offsets = (mesh[name][:] for name in MESH[:3])
+    sizes = {"positions": points.shape, "velocities": points.shape, "strain": rest.shape, "tension": rest.shape}
+    times = []
+    for path in run.frames:
+        with h5py.File(path) as frame:
+            missing += [f"{path.name}/{n}" for n in FRAME if n not in frame or frame[n].shape != sizes[n]]
+            missing += [f"{path.name}: {n} not finite" for n in FRAME if n in frame and not np.isfinite(frame[n]).all()]
+            times.append(float(frame.attrs["time"]))
+    yield Row("datasets", "all there, finite", ", ".join(missing) or f"{len(run.frames)} frames", not missing)
+    yield Row("frames", f"{run.summary['frames']}, times rising", f"{len(run.frames)} up to {times[-1]:g} s",
+              len(run.frames) == run.summary["frames"] and bool(np.all(np.diff(times) > 0)) and
+              abs(times[-1] - run.summary["end_time"]) < 1e-9)
+    sound = offsets[0] == 0 and offsets[-1] == len(corners) and set(np.diff(offsets)) <= {2, 3, 4}
+    yield Row("cells", "name vertices", f"{len(offsets) - 1} cells",
+              bool(sound and corners.min() >= 0 and corners.max() < len(points) and edges.max() < len(points)))
+    lengths = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
+    error = float(np.abs(lengths / rest - 1).max())
+    yield Row("rest lengths", "<= 1e-12 off", f"{error:.2g}", error <= 1e-12)
+    yield from strain_rows(run, edges, rest)
+    listed = xdmf_frames(run.folder / "frames.xdmf")
+    expected = [(f"frames/{p.name}", t) for p, t in zip(run.frames, times)]
+    yield Row("frames.xdmf", "lists each frame", f"{len(listed)} frames",
+              [f for f, _ in listed] == [f for f, _ in expected] and
+              bool(np.allclose([t for _, t in listed], times, rtol=0, atol=1e-12)))
+
+
+def strain_rows(run, edges, rest):
+    """The strain of the last frame, from its positions alone."""
+    with h5py.File(run.frames[-1]) as frame:
+        x, told = frame["positions"][:], frame["strain"][:]
+    strain = np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1) / rest - 1
+    error, largest = float(np.abs(strain - told).max()), float(np.abs(strain).max())
+    yield Row("/strain", "<= 1e-12 off", f"{error:.2g}", error <= 1e-12)
+    if run.summary["projection"]["method"] == "none":
+        return
+    limit = run.summary["strain"]["limit"]  # round-off apart: the program measured before it stored
+    yield Row("strain recomputed", f"<= {limit:g}", f"{largest:.6g}", largest <= limit * (1 + 1e-9))
+
+
+def xdmf_frames(path):
+    """[(file of the positions, time)] of each frame that ParaView is told of."""
+    frames = []
+    for grid in ElementTree.parse(path).getroot().iter("Grid"):
+        time, item = grid.find("Time"), grid.find("Geometry/DataItem")
+        if time is not None and item is not None:
+            frames.append((item.text.strip().split(":")[0], float(time.get("Value"))))
+    return frames
+
+
+def run_case(case, folder, options, arguments, ranks):
+    """The rows of one run."""
+    command = [*shlex.split(arguments.launch), "-n", str(ranks), str(Path(arguments.program).resolve()), "run", str(case),
+               "--out", str(folder)]
+    for key, value in options.get("set", {}).items():
+        command += ["--set", f"{key}={json.dumps(value)}"]
+    print(" ".join(shlex.quote(word) for word in command), flush=True)
+    try:
+        ended = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True,
+                               timeout=float(options.get("timeout", 120)))
+    except subprocess.TimeoutExpired as late:
+        return [Row("end of the run", f"within {late.timeout:g} s", "none", False)]
+    rows = [Row("exit code", "0", str(ended.returncode), ended.returncode == 0)]
+    if ended.returncode != 0:
+        print(ended.stderr, file=sys.stderr)
+    if not (folder / "summary.json").is_file():
+        return rows
+    run = Run(folder)
+    return [*rows, *contract(run), *(checked(run, check) for check in options["checks"])]
+
+
+def show(rows):
+    table = [("quantity", "expected", "measured", ""), *((r.quantity, r.expected, r.measured, "ok" if r.passed else "WRONG")
+                                                         for r in rows)]
+    widths = [max(len(line[k]) for line in table) for k in range(4)]
+    for line in table:
+        print("  " + "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
+
+
+def find_case(text):
+    for case in (Path(text), Path(text) / "case.yaml", ROOT / "cases" / text / "case.yaml"):
+        if case.is_file():
+            return case
+    sys.exit(f"check-case: {text}: no case file, no folder with a case.yaml, and no name under cases/")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/check-case",
+                                     description="Runs a case and compares the run with its expected.yaml.")
+    parser.add_argument("case", help="a name under cases/, a folder with a case.yaml, or a case file")
+    parser.add_argument("--ranks", type=int, help="default: those of expected.yaml")
+    parser.add_argument("--program", default=ROOT / "build/taut", help="default: %(default)s")
+    parser.add_argument("--launch", default="mpirun --oversubscribe --bind-to none",
+                        help="what starts MPI programs, before -n RANKS (default: %(default)s)")
+    arguments = parser.parse_args()
+    case = find_case(arguments.case)
+    expected = yaml.safe_load((case.parent / "expected.yaml").read_text())
+    options = {**expected.get("options", {}), "checks": expected["checks"]}
+    passed = True
+    for ranks in [arguments.ranks] if arguments.ranks else options.get("ranks", [1]):
+        with tempfile.TemporaryDirectory() as temporary:
+            rows = run_case(case, Path(temporary) / "run", options, arguments, ranks)
+        show(rows)
+        passed &= all(row.passed for row in rows)
+    sys.exit(0 if passed else 1)
+
+
+main()

@@ -1,0 +1,28 @@
+# The cases, run as users run them, and what the program says to bad input.
+find_program(TAUT_PYTHON python3 HINTS /usr/bin) # Debian's, for which the packages are
+
+# Runs scripts/check-case at each number of ranks.
+function(taut_case name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "RANKS" ${ARGN})
+  list(JOIN TAUT_MPIEXEC_FLAGS " " flags)
+  foreach(ranks ${arg_RANKS})
+    add_test(NAME case_${name}_np${ranks}
+      COMMAND ${PROJECT_SOURCE_DIR}/scripts/check-case ${name} --ranks ${ranks} --program $<TARGET_FILE:taut>
+              --launch "${TAUT_MPIEXEC} ${flags}")
+    set_tests_properties(case_${name}_np${ranks} PROPERTIES TIMEOUT ${arg_TIMEOUT} PROCESSORS ${ranks} LABELS "np${ranks};case")
+  endforeach()
+endfunction()
+
+taut_case(two-pins RANKS 1 2 4 TIMEOUT 90)
+taut_case(drape RANKS 1 2 3 4 8 TIMEOUT 150)
+taut_case(chain RANKS 1 2 4 TIMEOUT 90)
+taut_case(flag RANKS 1 2 4 TIMEOUT 150)
+taut_case(obj RANKS 1 2 4 TIMEOUT 90)
+taut_case(curtain RANKS 1 2 4 TIMEOUT 210)
+
+foreach(ranks 1 3)
+  add_test(NAME test_bad_input_np${ranks}
+    COMMAND ${TAUT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/test_bad_input.py ${TAUT_MPIEXEC} ${TAUT_MPIEXEC_FLAGS}
+            ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:taut>)
+  set_tests_properties(test_bad_input_np${ranks} PROPERTIES TIMEOUT 300 RUN_SERIAL ON LABELS np${ranks})
+endforeach()
