@@ -16,6 +16,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -165,14 +166,18 @@ def run_case(case, folder, options, arguments, ranks):
     for key, value in options.get("set", {}).items():
         command += ["--set", f"{key}={json.dumps(value)}"]
     print(" ".join(shlex.quote(word) for word in command), flush=True)
+    limit = float(options.get("timeout", 120))
+    process = subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
     try:
-        ended = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True,
-                               timeout=float(options.get("timeout", 120)))
-    except subprocess.TimeoutExpired as late:
-        return [Row("end of the run", f"within {late.timeout:g} s", "none", False)]
-    rows = [Row("exit code", "0", str(ended.returncode), ended.returncode == 0)]
-    if ended.returncode != 0:
-        print(ended.stderr, file=sys.stderr)
+        stderr = process.communicate(timeout=limit)[1]
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGTERM)  # mpirun ends its ranks, which still write
+        process.communicate()
+        return [Row("end of the run", f"within {limit:g} s", "none", False)]
+    rows = [Row("exit code", "0", str(process.returncode), process.returncode == 0)]
+    if process.returncode != 0:
+        print(stderr, file=sys.stderr)
     if not (folder / "summary.json").is_file():
         return rows
     run = Run(folder)

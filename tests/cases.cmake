@@ -13,12 +13,12 @@ function(taut_case name)
   endforeach()
 endfunction()
 
-taut_case(two-pins RANKS 1 2 4 TIMEOUT 90)
-taut_case(drape RANKS 1 2 3 4 8 TIMEOUT 150)
-taut_case(chain RANKS 1 2 4 TIMEOUT 90)
-taut_case(flag RANKS 1 2 4 TIMEOUT 150)
-taut_case(obj RANKS 1 2 4 TIMEOUT 90)
-taut_case(curtain RANKS 1 2 4 TIMEOUT 210)
+taut_case(two-pins RANKS 1 2 4 TIMEOUT 300)
+taut_case(drape RANKS 1 2 3 4 8 TIMEOUT 300)
+taut_case(chain RANKS 1 2 4 TIMEOUT 300)
+taut_case(flag RANKS 1 2 4 TIMEOUT 300)
+taut_case(obj RANKS 1 2 4 TIMEOUT 300)
+taut_case(curtain RANKS 1 2 4 TIMEOUT 300)
 
 foreach(ranks 1 3)
   add_test(NAME test_bad_input_np${ranks}

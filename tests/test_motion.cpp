@@ -148,6 +148,31 @@ TEST(HangingChain, IsACatenary) {
     EXPECT_NEAR(q[i] * length / links, expected.tension[i], 1e-3 * expected.tension[i]);
 }
 
+// One corner goes around a vertical axis 0.1 m beside it, another one straight inwards and up until it is let go.
+TEST(Pins, FollowTheirKeyframes) {
+  Simulation simulation(
+      world,
+      case_of(
+          "cloth: {grid: {size: [0.4, 0.3], vertices: [5, 4]}}\n"
+          "pins:\n"
+          "  - vertices: [0]\n"
+          "    motion:\n"
+          "      - {time: 0}\n"
+          "      - {time: 1, rotate: {axis: [0, 0, 1], angle: 2 rad, centre: [-0.1, 0, 0]}}\n"
+          "  - {vertices: [4], motion: [{time: 0}, {time: 0.2, translate: [-0.1, 0, 0.1]}], release: 0.1}\n"
+          "time: {end: 0.2, frame_rate: 5, max_step: 0.01}\n"));
+  Recorder motion(simulation);
+  run_to_the_end(simulation, motion);
+  ASSERT_EQ(motion.positions.size(), 21u);
+  for (int n = 0; n <= 20; ++n) {
+    const double t = 0.01 * n;
+    const Vec3 turned = motion.positions[n].segment<3>(0), moved = motion.positions[n].segment<3>(3 * 4);
+    EXPECT_LT((turned - Vec3(0.1 * std::cos(2 * t) - 0.1, 0.1 * std::sin(2 * t), 0)).norm(), 1e-14);
+    const double off = (moved - Vec3(0.4 - 0.5 * t, 0, 0.5 * t)).norm();
+    EXPECT_TRUE(n <= 10 ? off < 1e-14 : off > 1e-4) << "at step " << n;
+  }
+}
+
 namespace {
 
 /// Joules, over all ranks.

@@ -19,7 +19,7 @@ public:
   void inverse_diagonal_blocks(std::span<Mat3> blocks) const;
 
   const VertexMatrix& matrix() const { return *matrix_; }
-  bool prescribed(Local vertex) const { return prescribed_[vertex] != 0; }
+  std::span<const char> prescribed() const { return prescribed_; }
 
 private:
   const DistributedMesh& mesh_;

@@ -3,6 +3,7 @@
 #include <petsc/private/petscimpl.h> // PetscObjectStateIncrease
 #include <petscksp.h>
 
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -22,6 +23,22 @@ inline void check(PetscErrorCode code) {
 /// Tells PETSc that the values behind an object changed, so that preconditioners are made anew.
 inline void mark_changed(Mat matrix) {
   check(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(matrix)));
+}
+
+/// Calls `function(from, to)` on this rank's parts of two vectors, for PETSc's callbacks.
+template <class Function>
+PetscErrorCode on_arrays(Vec from, Vec to, Function&& function) {
+  PetscFunctionBegin;
+  PetscInt n = 0;
+  const PetscScalar* in = nullptr;
+  PetscScalar* out = nullptr;
+  PetscCall(VecGetLocalSize(from, &n));
+  PetscCall(VecGetArrayRead(from, &in));
+  PetscCall(VecGetArrayWrite(to, &out));
+  function(std::span<const double>(in, std::size_t(n)), std::span<double>(out, std::size_t(n)));
+  PetscCall(VecRestoreArrayWrite(to, &out));
+  PetscCall(VecRestoreArrayRead(from, &in));
+  PetscFunctionReturn(0);
 }
 
 /// Owns one PETSc object.

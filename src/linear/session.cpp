@@ -1,6 +1,7 @@
 #include "src/linear/session.hpp"
 
 #include "src/linear/petsc.hpp"
+#include "src/linear/unassembled.hpp"
 #include "src/linear/yarn_preconditioner.hpp"
 
 #include <vector>
@@ -21,6 +22,7 @@ Session::Session(int& argc, char**& argv, std::span<const std::string> petsc_opt
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscOptionsSetValue(nullptr, "-options_left", "no")); // unused_petsc_options reports them
   register_yarn_preconditioner();
+  register_axis_preconditioner();
 }
 
 Session::~Session() {

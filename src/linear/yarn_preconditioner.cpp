@@ -21,17 +21,9 @@ PetscErrorCode set_up(PC pc) {
 }
 
 PetscErrorCode apply(PC pc, Vec b, Vec x) {
-  PetscFunctionBegin;
-  PetscInt n = 0;
-  const PetscScalar* from = nullptr;
-  PetscScalar* to = nullptr;
-  PetscCall(VecGetLocalSize(b, &n));
-  PetscCall(VecGetArrayRead(b, &from));
-  PetscCall(VecGetArrayWrite(x, &to));
-  static_cast<YarnBlocks*>(pc->data)->factor.solve({from, std::size_t(n)}, {to, std::size_t(n)});
-  PetscCall(VecRestoreArrayWrite(x, &to));
-  PetscCall(VecRestoreArrayRead(b, &from));
-  PetscFunctionReturn(0);
+  return on_arrays(b, x, [pc](std::span<const double> from, std::span<double> to) {
+    static_cast<YarnBlocks*>(pc->data)->factor.solve(from, to);
+  });
 }
 
 /// The blocks are the matrix's; there is nothing to free.

@@ -1,0 +1,89 @@
+#include "src/linear/axis_cholesky.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
+  for (Local row = 0; row < pattern.rows(); ++row) {
+    for (const Local column : pattern.columns(row))
+      if (column < row) columns_.push_back(column);
+    offsets_.push_back(std::int32_t(columns_.size()));
+  }
+  lower_.resize(columns_.size());
+  diagonal_.resize(pattern.rows());
+}
+
+void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
+  collect(matrix);
+  leave_out(prescribed);
+  constexpr double smallest_pivot = 0.05; // of the matrix's own diagonal
+  for (Local i = 0; i < Local(diagonal_.size()); ++i) {
+    double pivot = diagonal_[i];
+    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) {
+      const Local j = columns_[a];
+      double sum = lower_[a]; // L_ij D_j, less what the columns before j give
+      for (std::int32_t k = offsets_[i], m = offsets_[j]; k < a && m < offsets_[j + 1];) {
+        if (columns_[k] < columns_[m]) ++k;
+        else if (columns_[m] < columns_[k]) ++m;
+        else {
+          sum -= lower_[k] * lower_[m] * diagonal_[columns_[k]];
+          ++k, ++m;
+        }
+      }
+      lower_[a] = sum / diagonal_[j];
+      pivot -= lower_[a] * sum;
+    }
+    diagonal_[i] = std::max(pivot, smallest_pivot * diagonal_[i]);
+  }
+}
+
+/// The lower triangle of the scalar matrix.
+void AxisCholesky::collect(const VertexMatrix& matrix) {
+  auto next = lower_.begin();
+  for (Local row = 0; row < pattern_.rows(); ++row) {
+    const double* value = matrix.values().data() + pattern_.offset(row);
+    for (const Local column : pattern_.columns(row)) {
+      if (column < row) *next++ = *value;
+      else if (column == row) diagonal_[row] = *value;
+      ++value;
+    }
+  }
+  for (const VertexMatrix::RankOne& r : matrix.rank_ones())
+    for (int a = 0; a < 4; ++a) {
+      const Local row = r.vertices[a];
+      if (row >= pattern_.rows()) continue;
+      diagonal_[row] += r.gradient[a].squaredNorm() / 3.0;
+      for (int b = 0; b < 4; ++b)
+        if (r.vertices[b] < row) *entry(row, r.vertices[b]) += r.gradient[a].dot(r.gradient[b]) / 3.0;
+    }
+}
+
+void AxisCholesky::leave_out(std::span<const char> prescribed) {
+  for (Local row = 0; row < pattern_.rows(); ++row) {
+    if (prescribed[row]) diagonal_[row] = 1.0;
+    for (std::int32_t a = offsets_[row]; a < offsets_[row + 1]; ++a)
+      if (prescribed[row] || prescribed[columns_[a]]) lower_[a] = 0.0;
+  }
+}
+
+double* AxisCholesky::entry(Local row, Local column) {
+  const auto begin = columns_.begin() + offsets_[row], end = columns_.begin() + offsets_[row + 1];
+  return lower_.data() + (std::lower_bound(begin, end, column) - columns_.begin());
+}
+
+void AxisCholesky::solve(std::span<const Vec3> b, std::span<Vec3> x) const {
+  const Local rows = Local(diagonal_.size());
+  for (Local i = 0; i < rows; ++i) {
+    Vec3 sum = b[i];
+    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) sum -= lower_[a] * x[columns_[a]];
+    x[i] = sum;
+  }
+  for (Local i = 0; i < rows; ++i) x[i] /= diagonal_[i];
+  for (Local i = rows; i-- > 0;) {
+    const Vec3 solved = x[i];
+    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) x[columns_[a]] -= lower_[a] * solved;
+  }
+}
+
+} // namespace taut

@@ -1,0 +1,102 @@
+#include "src/linear/unassembled.hpp"
+
+#include <petsc/private/pcimpl.h> // the way PETSc offers to add a preconditioner type
+
+namespace taut {
+
+namespace {
+
+UnassembledMatrix::Parts& parts_of(Mat shell) {
+  void* parts = nullptr;
+  MatShellGetContext(shell, &parts);
+  return *static_cast<UnassembledMatrix::Parts*>(parts);
+}
+
+PetscErrorCode multiply(Mat shell, Vec x, Vec y) {
+  return on_arrays(x, y, [shell](std::span<const double> from, std::span<double> to) {
+    parts_of(shell).filtered.apply(as_vectors(from), as_vectors(to));
+  });
+}
+
+/// What PCPBJACOBI asks a matrix for.
+PetscErrorCode invert_diagonal_blocks(Mat shell, const PetscScalar** values) {
+  PetscFunctionBegin;
+  UnassembledMatrix::Parts& parts = parts_of(shell);
+  parts.diagonal_blocks.resize(parts.pattern.rows());
+  parts.filtered.inverse_diagonal_blocks(parts.diagonal_blocks);
+  static_assert(sizeof(Mat3) == 9 * sizeof(PetscScalar));
+  *values = reinterpret_cast<const PetscScalar*>(parts.diagonal_blocks.data());
+  PetscFunctionReturn(0);
+}
+
+/// What PCJACOBI asks a matrix for.
+PetscErrorCode get_diagonal(Mat shell, Vec diagonal) {
+  PetscFunctionBegin;
+  UnassembledMatrix::Parts& parts = parts_of(shell);
+  parts.diagonal_blocks.resize(parts.pattern.rows());
+  parts.filtered.diagonal_blocks(parts.diagonal_blocks);
+  PetscScalar* to = nullptr;
+  PetscCall(VecGetArrayWrite(diagonal, &to));
+  Vec3* out = reinterpret_cast<Vec3*>(to);
+  for (const Mat3& block : parts.diagonal_blocks) *out++ = block.diagonal();
+  PetscCall(VecRestoreArrayWrite(diagonal, &to));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode set_up_axis(PC pc) {
+  PetscFunctionBegin;
+  PetscBool unassembled = PETSC_FALSE;
+  PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc->pmat), MATSHELL, &unassembled));
+  PetscCheck(unassembled, PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_ARG_WRONGSTATE,
+             "pc_type axis works on the velocity matrix only");
+  const UnassembledMatrix::Parts& parts = parts_of(pc->pmat);
+  if (!pc->data) pc->data = new AxisCholesky(parts.pattern);
+  static_cast<AxisCholesky*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.prescribed());
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode apply_axis(PC pc, Vec b, Vec x) {
+  return on_arrays(b, x, [pc](std::span<const double> from, std::span<double> to) {
+    static_cast<AxisCholesky*>(pc->data)->solve(as_vectors(from), as_vectors(to));
+  });
+}
+
+PetscErrorCode destroy_axis(PC pc) {
+  PetscFunctionBegin;
+  delete static_cast<AxisCholesky*>(pc->data);
+  pc->data = nullptr;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode create_axis(PC pc) {
+  PetscFunctionBegin;
+  pc->data = nullptr;
+  pc->ops->setup = set_up_axis;
+  pc->ops->apply = apply_axis;
+  pc->ops->applytranspose = apply_axis;
+  pc->ops->destroy = destroy_axis;
+  PetscFunctionReturn(0);
+}
+
+} // namespace
+
+UnassembledMatrix::UnassembledMatrix(const DistributedMesh& mesh, const Pattern& pattern)
+    : parts_(std::make_unique<Parts>(Parts{FilteredOperator(mesh), pattern, {}})) {
+  const PetscInt rows = 3 * mesh.vertices.owned;
+  check(MatCreateShell(mesh.comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, parts_.get(), shell_.address()));
+  check(MatSetBlockSize(shell_, 3));
+  check(MatSetOption(shell_, MAT_SPD, PETSC_TRUE));
+  check(MatShellSetOperation(shell_, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
+  check(MatShellSetOperation(shell_, MATOP_INVERT_BLOCK_DIAGONAL,
+                             reinterpret_cast<void (*)()>(invert_diagonal_blocks)));
+  check(MatShellSetOperation(shell_, MATOP_GET_DIAGONAL, reinterpret_cast<void (*)()>(get_diagonal)));
+}
+
+void UnassembledMatrix::set(const VertexMatrix& matrix, std::span<const char> prescribed) {
+  parts_->filtered.set(matrix, prescribed);
+  mark_changed(shell_);
+}
+
+void register_axis_preconditioner() { check(PCRegister("axis", create_axis)); }
+
+} // namespace taut
