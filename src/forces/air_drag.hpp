@@ -13,7 +13,7 @@ class AirDrag : public Force {
 public:
   AirDrag(const Cloth& cloth, const config::Air& air) : cloth_(cloth), air_(air) {}
 
-  std::string_view name() const override { return "air drag"; }
+  std::string_view name() const override { return "air_drag"; }
   double energy(const State&) const override { return 0; }
   void add_to(StepSystem& system, const State& state) const override;
 

@@ -12,7 +12,7 @@ public:
   /// `cloth` and `pattern` must outlive the force.
   CarriedTension(const Cloth& cloth, const Pattern& pattern);
 
-  std::string_view name() const override { return "carried tension"; }
+  std::string_view name() const override { return "carried_tension"; }
   double energy(const State&) const override { return 0; }
   void add_to(StepSystem& system, const State& state) const override;
 
