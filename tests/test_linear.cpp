@@ -93,9 +93,10 @@ TEST_F(VelocitySolve, MatrixDoesNotDependOnThePartition) {
   });
 }
 
-// The first three apply the matrix as it is, all others assemble it: so the two forms are compared as well.
+// The first four apply the matrix as it is, all others assemble it: so the two forms are compared as well.
 TEST_F(VelocitySolve, EverySolverFindsTheSolution) {
   const std::vector<Solver> solvers{{cg, {}},
+                                    {cg, {{pc, "pbjacobi"}}},
                                     {cg, {{pc, "jacobi"}}},
                                     {cg, {{pc, "none"}}},
                                     {cg, {{pc, "bjacobi"}}},

@@ -158,7 +158,7 @@ TEST(Pins, FollowTheirKeyframes) {
           "pins:\n"
           "  - vertices: [0]\n"
           "    motion:\n"
-          "      - {time: 0, rotate: {centre: [-0.1, 0, 0]}}\n"
+          "      - {time: 0}\n"
           "      - {time: 1, rotate: {axis: [0, 0, 1], angle: 2 rad, centre: [-0.1, 0, 0]}}\n"
           "  - {vertices: [4], motion: [{time: 0}, {time: 0.2, translate: [-0.1, 0, 0.1]}], release: 0.1}\n"
           "time: {end: 0.2, frame_rate: 5, max_step: 0.01}\n"));

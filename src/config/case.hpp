@@ -140,7 +140,7 @@ struct Time {
 
 struct Velocity {
   LinearSolver solver = LinearSolver::cg;
-  double tolerance = 1e-3;
+  double tolerance = 1e-4;
   int max_iterations = 1000;
   bool operator==(const Velocity&) const = default;
 };

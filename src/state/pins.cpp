@@ -11,6 +11,11 @@ namespace taut {
 
 namespace {
 
+/// The centre of a keyframe that does not turn is without meaning; that of the other one then holds for both.
+const Vec3& centre_of(const config::Keyframe& k, const config::Keyframe& other) {
+  return k.rotate.angle == 0 ? other.rotate.centre : k.rotate.centre;
+}
+
 /// Rotations between two keyframes interpolate the angle if they turn about one axis, and the rotation vector
 /// if not.
 config::Keyframe between(const config::Keyframe& a, const config::Keyframe& b, double time) {
@@ -18,7 +23,7 @@ config::Keyframe between(const config::Keyframe& a, const config::Keyframe& b, d
   config::Keyframe k = b;
   k.time = time;
   k.translate = (1 - s) * a.translate + s * b.translate;
-  k.rotate.centre = (1 - s) * a.rotate.centre + s * b.rotate.centre;
+  k.rotate.centre = (1 - s) * centre_of(a, b) + s * centre_of(b, a);
   const Vec3 turn =
       (1 - s) * a.rotate.angle * a.rotate.axis.normalized() + s * b.rotate.angle * b.rotate.axis.normalized();
   k.rotate.angle = turn.norm();
