@@ -5,6 +5,7 @@
 #include "partition/grid.hpp"
 #include "src/linear/vertex_matrix.hpp"
 #include "src/state/cloth.hpp"
+#include "tests/meshes.hpp"
 
 #include <Eigen/Dense>
 #include <mpi.h>
@@ -13,9 +14,6 @@
 #include <random>
 
 namespace taut::test {
-
-inline const MPI_Comm world = MPI_COMM_WORLD;
-inline const MPI_Comm self = MPI_COMM_SELF;
 
 using Dense = Eigen::MatrixXd;
 using Column = Eigen::VectorXd;
@@ -36,19 +34,6 @@ inline std::vector<Vec3> random_vectors(Global count, double size, unsigned seed
   for (Global i = 0; i < count; ++i)
     vectors.emplace_back(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
   return vectors;
-}
-
-/// A mesh of which every rank knows everything.
-inline MeshSlab slab_of_whole(MPI_Comm comm, const std::vector<Vec3>& points,
-                              const std::vector<Cell>& cells) {
-  MeshSlab mesh;
-  mesh.vertices = slab_of(Global(points.size()), size_of(comm), rank_of(comm));
-  mesh.cells = slab_of(Global(cells.size()), size_of(comm), rank_of(comm));
-  const auto point = points.begin() + mesh.vertices.first;
-  const auto cell = cells.begin() + mesh.cells.first;
-  mesh.rest_positions.assign(point, point + mesh.vertices.count);
-  mesh.cell.assign(cell, cell + mesh.cells.count);
-  return mesh;
 }
 
 /// Every kind of cell: a distorted, uneven grid of 5 x 4 vertices, two triangles at its right border and a

@@ -1,6 +1,7 @@
 #include "partition/distributed_mesh.hpp"
 #include "partition/fetch.hpp"
 #include "partition/grid.hpp"
+#include "tests/meshes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,20 +11,9 @@
 #include <set>
 
 using namespace taut;
+using namespace taut::test;
 
 namespace {
-
-const MPI_Comm world = MPI_COMM_WORLD;
-
-MeshSlab from_lists(const std::vector<Vec3>& points, const std::vector<Cell>& cells) {
-  MeshSlab mesh;
-  mesh.vertices = slab_of(Global(points.size()), size_of(world), rank_of(world));
-  mesh.cells = slab_of(Global(cells.size()), size_of(world), rank_of(world));
-  mesh.rest_positions.assign(points.begin() + mesh.vertices.first,
-                             points.begin() + mesh.vertices.first + mesh.vertices.count);
-  mesh.cell.assign(cells.begin() + mesh.cells.first, cells.begin() + mesh.cells.first + mesh.cells.count);
-  return mesh;
-}
 
 /// Two squares of 2 x 2 quads far apart.
 MeshSlab two_pieces() {
@@ -35,17 +25,7 @@ MeshSlab two_pieces() {
     for (const Global c : {0, 1, 3, 4})
       cells.push_back({{base + c, base + c + 1, base + c + 4, base + c + 3}});
   }
-  return from_lists(points, cells);
-}
-
-std::vector<int> random_owners(const Slab& slab, unsigned seed) {
-  std::vector<int> owners;
-  std::mt19937 random(seed);
-  for (Global i = 0; i < slab.total; ++i) {
-    const int owner = int(random() % unsigned(size_of(world)));
-    if (slab.contains(i)) owners.push_back(owner);
-  }
-  return owners;
+  return slab_of_whole(world, points, cells);
 }
 
 /// Everything that must hold for any mesh and any partition of it.
@@ -150,20 +130,20 @@ TEST(Topology, YarnsEndAtIrregularVertices) {
   std::vector<Cell> cells;
   for (int k = 0; k < 10; ++k) points.emplace_back(std::cos(0.2 * M_PI * k), std::sin(0.2 * M_PI * k), 0);
   for (Global k = 0; k < 5; ++k) cells.push_back({{0, 1 + 2 * k, 2 + 2 * k, 1 + (2 * k + 2) % 10}});
-  const Topology t = find_topology(world, from_lists(points, cells));
+  const Topology t = find_topology(world, slab_of_whole(world, points, cells));
   for (const YarnTriple& triple : t.triples) EXPECT_NE(triple.centre, 0);
 }
 
 TEST(Topology, MixedMeshConstrainsTheEdgesOfQuadsOnly) {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
-  const Topology t = find_topology(world, from_lists(points, {{{0, 1, 2, 3}}, {{1, 4, 2, -1}}}));
+  const Topology t = find_topology(world, slab_of_whole(world, points, {{{0, 1, 2, 3}}, {{1, 4, 2, -1}}}));
   EXPECT_EQ(t.constrained_edges, 4);
 }
 
 class FaultyMesh : public testing::Test {
 protected:
   static std::string message_for(const std::vector<Vec3>& points, const std::vector<Cell>& cells) {
-    MeshSlab mesh = from_lists(points, cells);
+    MeshSlab mesh = slab_of_whole(world, points, cells);
     mesh.name = "bad.obj";
     for (Global i = 0; i < mesh.vertices.count; ++i) mesh.vertex_lines.push_back(1 + mesh.vertices.first + i);
     for (Global i = 0; i < mesh.cells.count; ++i) mesh.cell_lines.push_back(101 + mesh.cells.first + i);

@@ -1,6 +1,7 @@
 // Yarns, and the exact solve along them, on adversarial partitions.
 #include "partition/grid.hpp"
 #include "src/linear/yarn_factor.hpp"
+#include "tests/meshes.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -9,23 +10,12 @@
 #include <random>
 
 using namespace taut;
+using namespace taut::test;
 
 namespace {
 
-const MPI_Comm world = MPI_COMM_WORLD;
-
 DistributedMesh spread(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners) {
   return distribute(comm, slab, find_topology(comm, slab), owners);
-}
-
-std::vector<int> random_owners(const Slab& slab, unsigned seed) {
-  std::vector<int> owners;
-  std::mt19937 random(seed);
-  for (Global i = 0; i < slab.total; ++i) {
-    const int owner = int(random() % unsigned(size_of(world)));
-    if (slab.contains(i)) owners.push_back(owner);
-  }
-  return owners;
 }
 
 /// A number in (-1, 1) that depends on two original edge numbers alone.

@@ -24,8 +24,10 @@ void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> pres
       const Local j = columns_[a];
       double sum = lower_[a]; // L_ij D_j, less what the columns before j give
       for (std::int32_t k = offsets_[i], m = offsets_[j]; k < a && m < offsets_[j + 1];) {
-        if (columns_[k] < columns_[m]) ++k;
-        else if (columns_[m] < columns_[k]) ++m;
+        if (columns_[k] < columns_[m])
+          ++k;
+        else if (columns_[m] < columns_[k])
+          ++m;
         else {
           sum -= lower_[k] * lower_[m] * diagonal_[columns_[k]];
           ++k, ++m;
@@ -44,8 +46,10 @@ void AxisCholesky::collect(const VertexMatrix& matrix) {
   for (Local row = 0; row < pattern_.rows(); ++row) {
     const double* value = matrix.values().data() + pattern_.offset(row);
     for (const Local column : pattern_.columns(row)) {
-      if (column < row) *next++ = *value;
-      else if (column == row) diagonal_[row] = *value;
+      if (column < row)
+        *next++ = *value;
+      else if (column == row)
+        diagonal_[row] = *value;
       ++value;
     }
   }

@@ -3,12 +3,12 @@
 
 namespace taut {
 
-/// A preconditioner for A = B (x) I_3 + sum g g^T that treats the three axes alike: the incomplete Cholesky factorisation
-/// without fill, L D L^T, of the scalar matrix B + 1/3 sum <g, g^T>, whose entries are the means over the axes of those of A. Within a
-/// rank; couplings to ghosts are left out. A factor takes a twenty-seventh of the work that the 3 x 3 blocks would,
-/// and is applied to the three axes in one sweep.
+/// A preconditioner for A = B (x) I_3 + sum g g^T that treats the three axes alike: the incomplete Cholesky
+/// factorisation without fill, L D L^T, of the scalar matrix B + 1/3 sum <g, g^T>, whose entries are the
+/// means over the axes of those of A. Within a rank; couplings to ghosts are left out. A factor takes a
+/// twenty-seventh of the work that the 3 x 3 blocks would, and is applied to the three axes in one sweep.
 class AxisCholesky {
- public:
+public:
   /// `pattern` must outlive the factor.
   explicit AxisCholesky(const Pattern& pattern);
 
@@ -18,7 +18,7 @@ class AxisCholesky {
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.
   void solve(std::span<const Vec3> b, std::span<Vec3> x) const;
 
- private:
+private:
   void collect(const VertexMatrix& matrix);
   void leave_out(std::span<const char> prescribed);
   double* entry(Local row, Local column);

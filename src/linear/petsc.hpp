@@ -26,7 +26,7 @@ inline void mark_changed(Mat matrix) {
 }
 
 /// Calls `function(from, to)` on this rank's parts of two vectors, for PETSc's callbacks.
-template <class Function>
+template<class Function>
 PetscErrorCode on_arrays(Vec from, Vec to, Function&& function) {
   PetscFunctionBegin;
   PetscInt n = 0;

@@ -1,6 +1,6 @@
 #include "src/linear/unassembled.hpp"
 
-#include <petsc/private/pcimpl.h> // the way PETSc offers to add a preconditioner type
+#include "src/linear/preconditioner.hpp"
 
 namespace taut {
 
@@ -68,22 +68,13 @@ PetscErrorCode destroy_axis(PC pc) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode create_axis(PC pc) {
-  PetscFunctionBegin;
-  pc->data = nullptr;
-  pc->ops->setup = set_up_axis;
-  pc->ops->apply = apply_axis;
-  pc->ops->applytranspose = apply_axis;
-  pc->ops->destroy = destroy_axis;
-  PetscFunctionReturn(0);
-}
-
 } // namespace
 
 UnassembledMatrix::UnassembledMatrix(const DistributedMesh& mesh, const Pattern& pattern)
     : parts_(std::make_unique<Parts>(Parts{FilteredOperator(mesh), pattern, {}})) {
   const PetscInt rows = 3 * mesh.vertices.owned;
-  check(MatCreateShell(mesh.comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, parts_.get(), shell_.address()));
+  check(MatCreateShell(mesh.comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, parts_.get(),
+                       shell_.address()));
   check(MatSetBlockSize(shell_, 3));
   check(MatSetOption(shell_, MAT_SPD, PETSC_TRUE));
   check(MatShellSetOperation(shell_, MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
@@ -97,6 +88,8 @@ void UnassembledMatrix::set(const VertexMatrix& matrix, std::span<const char> pr
   mark_changed(shell_);
 }
 
-void register_axis_preconditioner() { check(PCRegister("axis", create_axis)); }
+void register_axis_preconditioner() {
+  check(PCRegister("axis", create_preconditioner<set_up_axis, apply_axis, destroy_axis>));
+}
 
 } // namespace taut

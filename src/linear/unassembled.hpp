@@ -7,10 +7,10 @@
 
 namespace taut {
 
-/// The filtered velocity matrix as PETSc sees it when it is not assembled: it can be multiplied with, and it supports the
-/// preconditioners `axis` (AxisCholesky), `pbjacobi` and `jacobi`.
+/// The filtered velocity matrix as PETSc sees it when it is not assembled: it can be multiplied with, and it
+/// supports the preconditioners `axis` (AxisCholesky), `pbjacobi` and `jacobi`.
 class UnassembledMatrix {
- public:
+public:
   /// Collective.
   UnassembledMatrix(const DistributedMesh& mesh, const Pattern& pattern);
 
@@ -27,7 +27,7 @@ class UnassembledMatrix {
     std::vector<Mat3> diagonal_blocks; ///< made when a preconditioner asks for them
   };
 
- private:
+private:
   std::unique_ptr<Parts> parts_;
   OwnedMat shell_;
 };

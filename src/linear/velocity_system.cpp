@@ -14,8 +14,8 @@ bool works_unassembled(KSP ksp) {
   PC pc = nullptr;
   PetscBool does = PETSC_FALSE;
   check(KSPGetPC(ksp, &pc));
-  check(
-      PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, "axis", PCPBJACOBI, PCJACOBI, PCNONE, ""));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, "axis", PCPBJACOBI, PCJACOBI,
+                                  PCNONE, ""));
   return does;
 }
 

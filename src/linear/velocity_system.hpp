@@ -9,9 +9,9 @@ namespace taut {
 /// Solves A v = b for the velocities of a step [BW98 eq. 6], with some of them prescribed [BW98 section 5;
 /// the projected form of Ascher and Boxerman 2003, for which a preconditioner sees the filtered matrix].
 ///
-/// PETSc prefix `-velocity_`. With CG and the preconditioners `axis` (the default), `pbjacobi`, `jacobi` and `none` the matrix is
-/// applied as it is; for every other preconditioner, and for MUMPS, it is assembled as a PETSc matrix of 3 x
-/// 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
+/// PETSc prefix `-velocity_`. With CG and the preconditioners `axis` (the default), `pbjacobi`, `jacobi` and
+/// `none` the matrix is applied as it is; for every other preconditioner, and for MUMPS, it is assembled as a
+/// PETSc matrix of 3 x 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
 class VelocitySystem {
 public:
   /// `mesh` and `pattern` must outlive the system. Collective.

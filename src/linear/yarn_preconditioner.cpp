@@ -1,6 +1,6 @@
 #include "src/linear/yarn_preconditioner.hpp"
 
-#include <petsc/private/pcimpl.h> // the way PETSc offers to add a preconditioner type
+#include "src/linear/preconditioner.hpp"
 
 namespace taut {
 
@@ -33,18 +33,11 @@ PetscErrorCode destroy(PC pc) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode create(PC pc) {
-  PetscFunctionBegin;
-  pc->ops->setup = set_up;
-  pc->ops->apply = apply;
-  pc->ops->applytranspose = apply;
-  pc->ops->destroy = destroy;
-  PetscFunctionReturn(0);
-}
-
 } // namespace
 
-void register_yarn_preconditioner() { check(PCRegister("yarn", create)); }
+void register_yarn_preconditioner() {
+  check(PCRegister("yarn", create_preconditioner<set_up, apply, destroy>));
+}
 
 void attach(Mat matrix, YarnBlocks& blocks) {
   PetscContainer container = nullptr;
