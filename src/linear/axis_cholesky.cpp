@@ -15,9 +15,20 @@ AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
 }
 
 void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
-  collect(matrix);
-  leave_out(prescribed);
-  constexpr double smallest_pivot = 0.05; // of the matrix's own diagonal
+  constexpr double least_shift = 0.01;
+  shift_ = shift_ > 2 * least_shift ? shift_ / 2 : 0.0; // perhaps less will do this time
+  for (;; shift_ = std::max(4 * shift_, least_shift)) {
+    collect(matrix);
+    leave_out(prescribed);
+    for (double& d : diagonal_) d *= 1 + shift_;
+    if (eliminate()) return;
+  }
+}
+
+/// False if a pivot comes out too small, as may happen where bending rules: its couplings are not all
+/// negative.
+bool AxisCholesky::eliminate() {
+  constexpr double smallest_pivot = 0.05; // of the diagonal it started from
   for (Local i = 0; i < Local(diagonal_.size()); ++i) {
     double pivot = diagonal_[i];
     for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) {
@@ -36,8 +47,10 @@ void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> pres
       lower_[a] = sum / diagonal_[j];
       pivot -= lower_[a] * sum;
     }
-    diagonal_[i] = std::max(pivot, smallest_pivot * diagonal_[i]);
+    if (pivot < smallest_pivot * diagonal_[i]) return false;
+    diagonal_[i] = pivot;
   }
+  return true;
 }
 
 /// The lower triangle of the scalar matrix.

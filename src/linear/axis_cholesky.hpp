@@ -12,7 +12,8 @@ public:
   /// `pattern` must outlive the factor.
   explicit AxisCholesky(const Pattern& pattern);
 
-  /// Prescribed vertices get the identity. A pivot that comes out too small is replaced. Not collective.
+  /// Prescribed vertices get the identity. If a pivot comes out too small, it starts again with a larger
+  /// diagonal [Manteuffel 1980]; the next factorisation tries half that shift. Not collective.
   void factor(const VertexMatrix& matrix, std::span<const char> prescribed);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.
@@ -20,6 +21,7 @@ public:
 
 private:
   void collect(const VertexMatrix& matrix);
+  bool eliminate();
   void leave_out(std::span<const char> prescribed);
   double* entry(Local row, Local column);
 
@@ -27,6 +29,7 @@ private:
   std::vector<std::int32_t> offsets_{0}; ///< rows of the strictly lower triangle
   std::vector<Local> columns_;
   std::vector<double> lower_;
+  double shift_ = 0;             ///< by how much the diagonal was raised, relative to itself
   std::vector<double> diagonal_; ///< D; in `factor`, first the matrix's own diagonal
 };
 
