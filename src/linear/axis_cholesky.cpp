@@ -15,9 +15,9 @@ AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
 }
 
 void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
-  constexpr double least_shift = 0.01;
+  constexpr double least_shift = 0.1; // a smaller one leaves factors that are whole but poor
   shift_ = shift_ > 2 * least_shift ? shift_ / 2 : 0.0; // perhaps less will do this time
-  for (;; shift_ = std::max(4 * shift_, least_shift)) {
+  for (;; shift_ = std::max(2 * shift_, least_shift)) {
     collect(matrix);
     leave_out(prescribed);
     for (double& d : diagonal_) d *= 1 + shift_;
@@ -28,7 +28,7 @@ void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> pres
 /// False if a pivot comes out too small, as may happen where bending rules: its couplings are not all
 /// negative.
 bool AxisCholesky::eliminate() {
-  constexpr double smallest_pivot = 0.05; // of the diagonal it started from
+  constexpr double smallest_pivot = 0.3; // of the diagonal it started from
   for (Local i = 0; i < Local(diagonal_.size()); ++i) {
     double pivot = diagonal_[i];
     for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) {
