@@ -1,6 +1,7 @@
 #include "io/whole_file.hpp"
 #include "src/command/command.hpp"
 #include "src/time/frame_writer.hpp"
+#include "src/time/intersection_check.hpp"
 #include "src/time/simulation.hpp"
 #include "src/time/step_log.hpp"
 #include "src/time/summary.hpp"
@@ -95,6 +96,8 @@ int run(MPI_Comm comm, const RunOptions& options) {
   const Case input = load_case(comm, options.source);
   Simulation simulation(comm, input);
   if (options.source.has_petsc_options) try_petsc_options(simulation);
+  IntersectionCheck intersections(simulation.cloth(), input);
+  if (input.has_contact()) intersections.refuse(simulation.state());
   const fs::path out = output_folder(comm, options, input);
   write_text_whole(comm, out / "case.yaml", case_as_run(input));
   announce(comm, simulation, input, out);
@@ -103,10 +106,17 @@ int run(MPI_Comm comm, const RunOptions& options) {
   StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()));
   Progress progress(comm, options.progress, simulation.step_size().frames(), input.time.end);
   Summary summary(simulation, input, MPI_Wtime() - began);
-  const std::array<Observer*, 4> observers{&frames, &log, &progress, &summary};
-  const Outcome outcome = simulation.run(observers);
+  std::vector<Observer*> observers{&frames, &log, &progress, &summary};
+  if (input.has_contact()) observers.push_back(&intersections);
+  Outcome outcome = simulation.run(observers);
 
-  write_text_whole(comm, out / "summary.json", summary.text(outcome, frames.frames(), frames.seconds()));
+  if (outcome.completed && intersections.count() > 0) {
+    outcome.completed = false;
+    outcome.reason = fmt::format("{} intersections were found in the result; the first: {}",
+                                 intersections.count(), intersections.first());
+  }
+  write_text_whole(comm, out / "summary.json",
+                   summary.text(outcome, frames.frames(), intersections.count(), frames.seconds()));
   if (outcome.completed) return success;
   if (rank_of(comm) == 0) fmt::print(stderr, "taut: {}\n", outcome.reason);
   return step_failure;

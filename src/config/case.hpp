@@ -16,6 +16,8 @@ namespace taut::config {
 
 enum class LinearSolver { cg, mumps };
 enum class InextensibilityMethod { fast_projection, none };
+enum class ContactModel { constraint, none };
+enum class CheckAt { frame, step, none };
 enum class PartitionMethod { metis, stripes };
 enum class Field { position, velocity, owner_rank, strain, tension };
 
@@ -24,6 +26,8 @@ constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg",
 constexpr std::array<std::string_view, 2> words_of(InextensibilityMethod) {
   return {"fast_projection", "none"};
 }
+constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
+constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
 constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
 constexpr std::array<std::string_view, 5> words_of(Field) {
   return {"position", "velocity", "owner_rank", "strain", "tension"};
@@ -115,6 +119,50 @@ struct Pin {
   bool operator==(const Pin&) const = default;
 };
 
+struct Plane {
+  Vec3 point = Vec3::Zero();   ///< m
+  Vec3 normal = Vec3::UnitZ(); ///< any length but zero; cloth stays on the side it points to
+  bool operator==(const Plane&) const = default;
+};
+
+struct Sphere {
+  Vec3 centre = Vec3::Zero(); ///< m
+  double radius = 1;          ///< m
+  bool operator==(const Sphere&) const = default;
+};
+
+/// All points within `radius` of a segment.
+struct Capsule {
+  Vec3 from = Vec3::Zero(); ///< m
+  Vec3 to = Vec3::UnitX();  ///< m
+  double radius = 1;        ///< m
+  bool operator==(const Capsule&) const = default;
+};
+
+/// Something that cloth cannot pass.
+struct Obstacle {
+  std::optional<std::string> name; ///< for messages
+  std::optional<Plane> plane;      ///< exactly one of plane, sphere, capsule, box and mesh is there
+  std::optional<Sphere> sphere;
+  std::optional<Capsule> capsule;
+  std::optional<Box> box;
+  std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
+  double scale = 1;                          ///< m per unit of the mesh
+  double thickness = 0;                      ///< m added all around
+  std::optional<double> friction;            ///< against cloth; absent: that of `contact`
+  std::vector<Keyframe> motion;              ///< times increase strictly; empty: at rest
+  bool operator==(const Obstacle&) const = default;
+};
+
+struct Contact {
+  ContactModel model = ContactModel::constraint;
+  std::optional<double> thickness; ///< m kept between midsurfaces; absent: see ContactProjection
+  double friction = 0.3;           ///< Coulomb's coefficient of cloth on cloth
+  int max_iterations = 30;
+  CheckAt check = CheckAt::frame;
+  bool operator==(const Contact&) const = default;
+};
+
 struct Gust {
   double speed = 0;  ///< m/s
   double length = 1; ///< m
@@ -176,11 +224,17 @@ struct Case {
   std::vector<config::Pin> pins;
   Vec3 gravity{0, 0, -9.81};      ///< m/s^2
   std::optional<config::Air> air; ///< absent: vacuum
+  std::vector<config::Obstacle> obstacles;
+  std::optional<config::Contact> contact; ///< absent: its defaults if there are obstacles, otherwise none
   config::Time time;
   config::Velocity velocity;
   config::Inextensibility inextensibility;
   config::Partition partition;
   config::Output output;
+
+  bool has_contact() const {
+    return contact ? contact->model != config::ContactModel::none : !obstacles.empty();
+  }
 
   std::filesystem::path file; ///< not a key: the case file, for messages and for the paths in it
   std::filesystem::path folder() const { return file.parent_path(); } ///< empty is the working folder

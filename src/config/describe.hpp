@@ -3,6 +3,7 @@
 #include "src/config/fabrics.hpp"
 #include "src/config/key.hpp"
 
+#include <algorithm>
 #include <concepts>
 #include <fmt/format.h>
 #include <type_traits>
@@ -147,6 +148,65 @@ void describe(V& v, Is<Pin> auto& p) {
 }
 
 template<class V>
+void describe(V& v, Is<Plane> auto& p) {
+  v("point", p.point, {.unit = Unit::metre, .meaning = "a point on the plane"});
+  v("normal", p.normal, {.meaning = "the side on which cloth stays, of any length"});
+  v.check("normal", !p.normal.isZero(0), "must not be zero; a plane has two sides");
+}
+
+template<class V>
+void describe(V& v, Is<Sphere> auto& s) {
+  v("centre", s.centre, {.unit = Unit::metre, .presence = Presence::required, .meaning = "its centre"});
+  v("radius", s.radius,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "its radius"});
+}
+
+template<class V>
+void describe(V& v, Is<Capsule> auto& c) {
+  v("from", c.from, {.unit = Unit::metre, .presence = Presence::required, .meaning = "one end of its axis"});
+  v("to", c.to, {.unit = Unit::metre, .presence = Presence::required, .meaning = "the other end"});
+  v("radius", c.radius,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "its radius"});
+}
+
+template<class V>
+void describe(V& v, Is<Obstacle> auto& o) {
+  v("name", o.name, {.computed_default = "its number and kind", .meaning = "how messages call it"});
+  v.exactly_one({"plane", "sphere", "capsule", "box", "mesh"});
+  v("plane", o.plane, {.meaning = "a half-space"});
+  v("sphere", o.sphere, {.meaning = "a sphere"});
+  v("capsule", o.capsule, {.meaning = "all points near a segment"});
+  v("box", o.box, {.meaning = "a box along the axes"});
+  v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj or .h5), relative to the case file"});
+  v("scale", o.scale, {.range = positive, .meaning = "metres per unit of the mesh"});
+  v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
+  v("friction", o.friction,
+    {.range = not_negative,
+     .computed_default = "`contact.friction`",
+     .meaning = "Coulomb coefficient against cloth"});
+  v("motion", o.motion, {.meaning = "keyframes, as of pins; none: at rest"});
+  v.check("motion", increasing(o.motion), "times must increase from keyframe to keyframe; sort them");
+  v.check("motion",
+          !o.plane || std::none_of(o.motion.begin(), o.motion.end(),
+                                   [](const Keyframe& k) { return k.rotate.angle != 0; }),
+          "a plane can be moved but not turned; use a box");
+}
+
+template<class V>
+void describe(V& v, Is<Contact> auto& c) {
+  v("model", c.model, {.meaning = "constraint: within the projection, never an intersection; none: off"});
+  v("thickness", c.thickness,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "a tenth of the mean edge",
+     .meaning = "distance kept between midsurfaces"});
+  v("friction", c.friction, {.range = not_negative, .meaning = "Coulomb coefficient of cloth on cloth"});
+  v("max_iterations", c.max_iterations,
+    {.range = at_least(1), .meaning = "projections with contact before a step is rejected"});
+  v("check", c.check, {.meaning = "when the result is tested for intersections"});
+}
+
+template<class V>
 void describe(V& v, Is<Gust> auto& g) {
   v("speed", g.speed,
     {.unit = Unit::metre_per_second, .range = not_negative, .meaning = "amplitude, added along the wind"});
@@ -219,6 +279,10 @@ void describe(V& v, Is<Case> auto& c) {
   v("pins", c.pins, {.meaning = "what holds the cloth"});
   v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
+  v("obstacles", c.obstacles, {.meaning = "what the cloth collides with"});
+  v("contact", c.contact,
+    {.computed_default = "its defaults if there are obstacles, otherwise none",
+     .meaning = "collisions of the cloth with itself and with obstacles"});
   v("time", c.time, {.meaning = "time and its steps"});
   v("velocity", c.velocity, {.meaning = "the implicit velocity solve"});
   v("inextensibility", c.inextensibility, {.meaning = "what keeps the cloth from stretching"});

@@ -9,11 +9,13 @@ namespace taut {
 /// Wall-clock seconds of the phases of a step, or of a run.
 struct PhaseSeconds {
   double velocity = 0;
-  double projection = 0;
+  double projection = 0; ///< without `contact`
+  double contact = 0;    ///< finding what can meet, and moving without meeting
 
   PhaseSeconds& operator+=(const PhaseSeconds& other) {
     velocity += other.velocity;
     projection += other.projection;
+    contact += other.contact;
     return *this;
   }
 };
@@ -31,6 +33,7 @@ struct StepRecord {
   int velocity_iterations = 0; ///< of the velocity's linear solver
   int iterations = 0;          ///< of the projection
   int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
+  Global contacts = 0;         ///< features in reach of each other
   Strain strain;
   double depth = 0; ///< m the lowest point has come down since the start
   Energies energies;

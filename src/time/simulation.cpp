@@ -1,5 +1,6 @@
 #include "src/time/simulation.hpp"
 
+#include "src/filters/contact_projection.hpp"
 #include "src/filters/fast_projection.hpp"
 #include "src/forces/air_drag.hpp"
 #include "src/forces/bending.hpp"
@@ -35,7 +36,9 @@ std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, co
   double mass = 0;
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
   const double weight = sum_over(cloth.mesh.comm, mass) * input.gravity.norm();
-  if (input.inextensibility.method == config::InextensibilityMethod::fast_projection)
+  if (input.has_contact())
+    filters.push_back(std::make_unique<ContactProjection>(cloth, input, weight));
+  else if (input.inextensibility.method == config::InextensibilityMethod::fast_projection)
     filters.push_back(std::make_unique<FastProjection>(cloth, input.inextensibility, weight));
   return filters;
 }
@@ -120,12 +123,14 @@ Simulation::Attempt Simulation::attempt(double dt) {
     const FilterReport filtered = filters_[k]->apply(state_, dt, prescribed_, candidate_);
     record.iterations += filtered.iterations;
     record.linear_iterations += filtered.linear_iterations;
+    record.contacts = std::max(record.contacts, filtered.contacts);
+    record.seconds.contact += filtered.contact_seconds;
     attempt.failure = filtered.failure;
   }
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
     end_positions_[i] = state_.positions[i] + dt * candidate_.velocities[i];
   record.strain = measure_strain(cloth_, end_positions_);
-  record.seconds.projection = watch.lap();
+  record.seconds.projection = watch.lap() - record.seconds.contact;
 
   const bool limited = inextensibility_.method != config::InextensibilityMethod::none;
   if (attempt.failure.empty() && limited && !(record.strain.max <= inextensibility_.strain))

@@ -35,6 +35,7 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   linear_iterations_ += r.linear_iterations;
   velocity_iterations_ += r.velocity_iterations;
   iterations_max_ = std::max(iterations_max_, r.iterations);
+  contacts_max_ = std::max(contacts_max_, r.contacts);
   strain_max_ = std::max(strain_max_, r.strain.max);
   strain_squares_ += r.strain.rms * r.strain.rms;
   seconds_ += r.seconds;
@@ -60,7 +61,8 @@ double Summary::quantile(double fraction) const {
   return strain_max_;
 }
 
-std::string Summary::text(const Outcome& outcome, Global frames, double output_seconds) const {
+std::string Summary::text(const Outcome& outcome, Global frames, Global intersections,
+                          double output_seconds) const {
   using Json = nlohmann::ordered_json;
   const DistributedMesh& mesh = simulation_.cloth().mesh;
   const auto a_step = [this](double total) { return steps_ > 0 ? total / double(steps_) : 0.0; };
@@ -90,7 +92,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"iterations_max", iterations_max_},
         {"ksp_iterations_mean", iterations_ > 0 ? double(linear_iterations_) / double(iterations_) : 0.0}}},
       {"velocity", {{"ksp_iterations_mean", a_step(double(velocity_iterations_))}}},
-      {"contact", {{"pairs_max", 0}, {"intersections", 0}}},
+      {"contact", {{"pairs_max", contacts_max_}, {"intersections", intersections}}},
       {"partition",
        {{"edge_cut", mesh.report.edge_cut},
         {"imbalance", mesh.report.imbalance},
@@ -100,7 +102,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"setup", setup_seconds_},
         {"velocity", seconds_.velocity},
         {"projection", seconds_.projection},
-        {"contact", 0.0},
+        {"contact", seconds_.contact},
         {"output", output_seconds}}},
       {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";

@@ -12,7 +12,7 @@ public:
   void after_step(const State& state, const StepRecord& record) override;
 
   /// The text of `summary.json`, the same on every rank. Collective.
-  std::string text(const Outcome& outcome, Global frames, double output_seconds) const;
+  std::string text(const Outcome& outcome, Global frames, Global intersections, double output_seconds) const;
 
 private:
   double quantile(double fraction) const;
@@ -22,6 +22,7 @@ private:
   double setup_seconds_, began_;
   Global steps_ = 0, iterations_ = 0, linear_iterations_ = 0, velocity_iterations_ = 0;
   int iterations_max_ = 0;
+  Global contacts_max_ = 0;
   double strain_max_ = 0, strain_squares_ = 0;
   std::vector<double>
       histogram_; ///< of this rank's |strain| over all accepted steps, in bins of limit / 1000

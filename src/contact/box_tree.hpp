@@ -1,0 +1,62 @@
+#pragma once
+#include "partition/types.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace taut {
+
+/// An axis-parallel box in single precision that holds everything it was grown by.
+struct Box {
+  std::array<float, 3> low{HUGE_VALF, HUGE_VALF, HUGE_VALF};
+  std::array<float, 3> high{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+
+  /// Grows to hold the ball of radius `r` about `p`.
+  void include(const Vec3& p, double r) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], std::nextafterf(float(p[k] - r), -HUGE_VALF));
+      high[k] = std::max(high[k], std::nextafterf(float(p[k] + r), HUGE_VALF));
+    }
+  }
+  void include(const Box& other) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], other.low[k]);
+      high[k] = std::max(high[k], other.high[k]);
+    }
+  }
+  bool overlaps(const Box& other) const {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
+    return true;
+  }
+};
+
+using BoxPair = std::pair<Local, Local>;
+
+/// A bounding-volume hierarchy over boxes (Embree's). Of one rank; nothing is collective.
+class BoxTree {
+public:
+  BoxTree();
+  ~BoxTree();
+  BoxTree(BoxTree&&) noexcept;
+  BoxTree& operator=(BoxTree&&) noexcept;
+
+  void build(std::vector<Box> boxes);
+
+  /// All pairs (i, j), i < j, of boxes that overlap.
+  std::vector<BoxPair> pairs() const;
+
+  /// All pairs (i, j) of a box i of this tree and a box j of `other` that overlap.
+  std::vector<BoxPair> pairs_with(const BoxTree& other) const;
+
+private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+} // namespace taut

@@ -1,0 +1,58 @@
+#pragma once
+#include "src/contact/element_search.hpp"
+#include "src/contact/pair.hpp"
+
+namespace taut {
+
+/// Finds the pairs of features that can meet, over all ranks. Each pair is found by one rank, by a rule that
+/// depends on the partition only.
+///
+/// Pairs refer to *contact fields*: arrays over [own cloth vertices | obstacle vertices | ghosts], where
+/// ghosts are whatever cloth vertices of other ranks the pairs of this one need.
+class ContactSearch {
+public:
+  /// Both must outlive the search. Collective.
+  ContactSearch(const Cloth& cloth, const Obstacles& obstacles);
+
+  /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
+  /// lines, from where they are to anywhere within `slack` (m) of where the motion ends. Collective.
+  void find(const Motion& motion, double reach, double slack);
+
+  std::span<const Pair> pairs() const { return pairs_; }
+
+  /// A number for each place of a contact field that does not depend on the partition; of a cloth vertex, its
+  /// original number.
+  std::span<const Global> keys() const { return keys_; }
+
+  Local own() const { return own_; }                    ///< cloth vertices of this rank
+  Local home() const { return own_ + obstacle_count_; } ///< places before the ghosts
+  Local size() const { return Local(keys_.size()); }
+
+  /// Cloth (local vertices) and obstacles as a contact field. Collective over neighbours.
+  void gather(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, std::vector<Vec3>& field) const;
+
+  /// Ghosts from their owners. Collective over neighbours.
+  void update(std::vector<Vec3>& field) const { plan_.forward<Vec3>(field, field); }
+
+  /// Adds what ghosts hold to their owners. Collective over neighbours.
+  void accumulate(std::vector<Vec3>& field) const { plan_.reverse_add<Vec3>(field, field); }
+
+private:
+  void meet_features(const Element& a, const Element& b);
+  void try_vertex_face(const Element& a, int corner, const Element& b);
+  void try_edges(const Element& a, int edge, const Element& b);
+  void try_pair(Pair pair);
+  void meet_planes();
+  void place_in_fields();
+
+  const Cloth& cloth_;
+  const Obstacles& obstacles_;
+  ElementSearch elements_;
+  Local own_, obstacle_count_;
+  double reach_ = 0;
+  std::vector<Pair> pairs_;
+  std::vector<Global> keys_;
+  Plan plan_;
+};
+
+} // namespace taut

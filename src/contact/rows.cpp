@@ -1,0 +1,24 @@
+#include "src/contact/rows.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Global> keys) {
+  // First the features with fewer vertices, then the lower numbers, so that one contact has one name.
+  std::vector<Global> a, b;
+  const int split = pair.kind == PairKind::edge_edge ? 2 : 1;
+  for (int i = 0; i < 4; ++i)
+    if (approach.weights[i] != 0) (i < split ? a : b).push_back(keys[pair.vertices[i]]);
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  if (std::pair(b.size(), b) < std::pair(a.size(), a)) std::swap(a, b);
+  ContactKey key{-1, -1, -1, -1};
+  std::copy(a.begin(), a.end(), key.begin());
+  std::copy(b.begin(), b.end(), key.begin() + a.size());
+  // two edges are told from a vertex and a face by the sign of the first number
+  if (a.size() == 2) key[0] = -2 - key[0];
+  return key;
+}
+
+} // namespace taut

@@ -1,0 +1,317 @@
+#include "src/filters/contact_projection.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+constexpr int most_products = 60;   ///< in one program; what is left waits for the next iteration
+constexpr double strain_left = 0.2; ///< of the limit, by a program
+constexpr double gap_left = 0.1;    ///< of the thickness
+constexpr double slip_left = 0.01;  ///< of gravity dt^2
+constexpr double slack = 1.0;       ///< of the thickness: how far a target may leave a search
+constexpr int patience = 6;         ///< iterations until stuck vertices are let go
+
+SolverOptions solver_options(const config::Inextensibility& options) {
+  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
+                                                        : SolverOptions::Kind::cg,
+          1000};
+}
+
+double mean_edge(const Cloth& cloth) {
+  double sum = 0;
+  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) sum += cloth.rest_length[e];
+  return sum_over(cloth.mesh.comm, sum) / double(std::max<Global>(1, cloth.mesh.edges.total));
+}
+
+/// Names a pair by its vertices, whatever its closest points are.
+ContactKey name_of(const Pair& pair, std::span<const Global> keys) {
+  ContactKey key;
+  for (int i = 0; i < 4; ++i) key[i] = keys[pair.vertices[i]];
+  if (pair.kind == PairKind::edge_edge) key[0] = -2 - key[0];
+  return key;
+}
+
+/// The gap that the safe iterate must keep while it moves.
+double floor_of(double gap, double thickness) {
+  return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
+}
+
+} // namespace
+
+ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, double weight)
+    : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
+      contact_(input.contact.value_or(config::Contact{})), obstacles_(comm_, input),
+      search_(cloth, obstacles_), system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_),
+      thickness_(contact_.thickness.value_or(0.1 * mean_edge(cloth))),
+      compliance_(
+          limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
+      gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
+      inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
+      residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()) {}
+
+FilterReport ContactProjection::apply(const State& start, double dt, std::span<const char> prescribed,
+                                      Candidate& candidate) {
+  FilterReport report;
+  const auto timed = [&](auto&& part) {
+    const double began = MPI_Wtime();
+    part();
+    report.contact_seconds += MPI_Wtime() - began;
+  };
+  begin(start, dt, prescribed, candidate);
+  double behind = HUGE_VAL; // m, how far the safe iterate was from the target
+  timed([&] { search(); });
+  for (iteration_ = 1;; ++iteration_) {
+    const double strain = strain_at_target(prescribed);
+    if (!std::isfinite(strain)) {
+      report.failure = "the positions are no longer finite";
+      break;
+    }
+    make_rows();
+    project(strain, report);
+    report.contacts = std::max(report.contacts, contacts_);
+    ++report.iterations;
+    if (!report.failure.empty()) break;
+    double alpha = 1;
+    timed([&] {
+      if (target_left_search()) search();
+      alpha = step_length();
+    });
+    advance_safe(alpha);
+    const double reached = measure_strain(cloth_, safe_.cloth).max;
+    if (alpha == 1.0 && reached <= limits_.strain) break;
+    if (iteration_ == contact_.max_iterations) {
+      report.failure = fmt::format(
+          "projection with contact left a strain of {:.3g} (limit {:g}) and was stopped by contact "
+          "at {:.3g} of its way, after {} iterations",
+          reached, limits_.strain, alpha, iteration_);
+      break;
+    }
+    if (alpha < 1) timed([&] { look(); });
+    const double was_behind = std::exchange(behind, distance_behind());
+    if (alpha < 1 && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
+  }
+  for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
+    candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt;
+  for (std::size_t e = 0; e < mu_.size(); ++e)
+    candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt * dt);
+  pressed_proposed_ = pressed_;
+  for (auto& [key, p] : pressed_proposed_) p.normal /= dt * dt;
+  proposed_step_ = start.step;
+  return report;
+}
+
+void ContactProjection::begin(const State& start, double dt, std::span<const char> prescribed,
+                              const Candidate& candidate) {
+  dt_ = dt;
+  if (start.step == proposed_step_ + 1) pressed_before_ = pressed_proposed_; // the proposal was accepted
+  proposed_step_ = -1;
+  pressed_.clear();
+  blocked_.clear();
+  start_.cloth = start.positions;
+  obstacles_.place(start.time, start_.obstacles);
+  safe_ = start_;
+  target_.cloth.resize(start_.cloth.size());
+  for (std::size_t i = 0; i < start_.cloth.size(); ++i)
+    target_.cloth[i] = start.positions[i] + dt * candidate.velocities[i];
+  obstacles_.place(start.time + dt, target_.obstacles);
+  for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
+    inverse_mass_[i] = prescribed[i] ? 0.0 : 1.0 / cloth_.mass[i];
+  for (std::size_t e = 0; e < shift_.size(); ++e) {
+    shift_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
+    tolerance_[e] = strain_left * limits_.strain * 2.0 * cloth_.rest_length[e];
+  }
+  for (std::size_t e = 0; e < mu_.size(); ++e)
+    mu_[e] = 0.5 * candidate.force_density[e] * cloth_.rest_length[e] * dt * dt;
+}
+
+void ContactProjection::search() {
+  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_,
+               slack * thickness_);
+  searched_ = target_;
+  search_.gather(start_.cloth, start_.obstacles, start_field_);
+  look();
+}
+
+/// Distances and directions of all pairs at the safe iterate.
+void ContactProjection::look() {
+  search_.gather(safe_.cloth, safe_.obstacles, safe_field_);
+  approaches_.clear();
+  for (const Pair& pair : search_.pairs()) approaches_.push_back(approach(pair, at(pair, safe_field_)));
+}
+
+/// Gradients and right-hand side of the edges at the target; returns the largest |strain| there.
+double ContactProjection::strain_at_target(std::span<const char> prescribed) {
+  const DistributedMesh& mesh = cloth_.mesh;
+  double max = 0;
+  for (Local e = 0; e < mesh.edges.size(); ++e) {
+    const auto& [a, b] = mesh.edge_vertices[e];
+    const double l = cloth_.rest_length[e];
+    const Vec3 d = target_.cloth[b] - target_.cloth[a];
+    gradient_[e] = (2.0 / l) * d;
+    if (!mesh.owns_edge(e)) continue;
+    const double squared = d.squaredNorm();
+    residual_[e] = prescribed[a] && prescribed[b] ? 0.0 : squared / l - l - shift_[e] * mu_[e];
+    const double strain = std::sqrt(squared) / l - 1.0;
+    max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
+  }
+  return max_over(mesh.comm, max);
+}
+
+void ContactProjection::make_rows() {
+  rows_.clear();
+  search_.gather(target_.cloth, target_.obstacles, target_field_);
+  for (std::size_t k = 0; k < search_.pairs().size(); ++k) add_normal_row(search_.pairs()[k], approaches_[k]);
+  // several pairs may have found the same contact
+  std::sort(rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  rows_.erase(
+      std::unique(rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.key == b.key; }),
+      rows_.end());
+  const std::size_t normals = rows_.size();
+  contacts_ = sum_over(comm_, Global(normals));
+  for (std::size_t k = 0; k < normals; ++k) add_friction_rows(ContactRow(rows_[k]));
+}
+
+void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
+  Vec3 ahead = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
+  const double gap = here.normal.dot(ahead) - pair.radius;
+  const bool blocked = !blocked_.empty() && blocked_.contains(name_of(pair, search_.keys()));
+  if (std::min(gap, here.gap) >= 2.0 * thickness_ && !blocked) return;
+  const bool inside =
+      here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
+  if (pair.kind == PairKind::edge_edge && !inside && !blocked) return; // vertices against faces have it
+  const ContactKey key = key_of(pair, here, search_.keys());
+  const auto found = pressed_.find(key);
+  rows_.push_back({pair.vertices, here.weights, here.normal, thickness_ - gap,
+                   found == pressed_.end() ? 0.0 : -found->second.normal, HUGE_VAL, gap_left * thickness_,
+                   key, true});
+  rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+}
+
+/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force.
+void ContactProjection::add_friction_rows(const ContactRow& normal) {
+  const auto now = pressed_.find(normal.key);
+  double force = now == pressed_.end() ? 0.0 : now->second.normal;
+  if (iteration_ == 1) {
+    const auto then = pressed_before_.find(normal.key);
+    force = then == pressed_before_.end() ? 0.0 : then->second.normal * dt_ * dt_;
+  }
+  const double most = normal.friction * force;
+  if (most <= 0) return;
+  Vec3 slip = Vec3::Zero();
+  for (int i = 0; i < 4; ++i)
+    slip += normal.weights[i] * (target_field_[normal.vertices[i]] - start_field_[normal.vertices[i]]);
+  const Vec3 rubbed = now == pressed_.end() ? Vec3(Vec3::Zero()) : now->second.tangent;
+  Vec3 first = slip - normal.direction.dot(slip) * normal.direction;
+  if (first.norm() < 1e-12) first = normal.direction.unitOrthogonal();
+  first.normalize();
+  for (const Vec3& tangent : {first, Vec3(normal.direction.cross(first))}) {
+    const double so_far = tangent.dot(rubbed);
+    rows_.push_back({normal.vertices, normal.weights, tangent, -tangent.dot(slip), -most - so_far,
+                     most - so_far, slip_left * gravity_ * dt_ * dt_, normal.key, false});
+  }
+}
+
+/// Moves the target to where edges and contacts want it.
+void ContactProjection::project(double strain, FilterReport& report) {
+  system_.assemble(gradient_, inverse_mass_, shift_);
+  if (contacts_ == 0) {
+    const double forcing = std::clamp(0.1 * limits_.strain / strain, 1e-4, 1e-2);
+    const SolveReport solved = system_.solve(residual_, forcing, change_);
+    report.linear_iterations += solved.iterations;
+    report.failure = solved.failure;
+    const DistributedMesh& mesh = cloth_.mesh;
+    for (Local i = 0; i < mesh.vertices.owned; ++i) {
+      Vec3 pull = Vec3::Zero();
+      for (const EdgeEnd& end : mesh.star_of(i)) pull += end.sign * change_[end.edge] * gradient_[end.edge];
+      target_.cloth[i] -= inverse_mass_[i] * pull;
+    }
+    mesh.vertex_halo.update(target_.cloth);
+  } else {
+    const EdgeRows edges{gradient_, inverse_mass_, shift_, residual_, tolerance_};
+    report.linear_iterations += qp_.solve(edges, rows_, most_products).products;
+    const auto push = qp_.push();
+    for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];
+    std::copy(qp_.edge_part().begin(), qp_.edge_part().end(), change_.begin());
+    cloth_.mesh.edge_halo.update(change_);
+    note_multipliers();
+  }
+  for (std::size_t e = 0; e < mu_.size(); ++e) mu_[e] += change_[e];
+}
+
+void ContactProjection::note_multipliers() {
+  const auto z = qp_.row_part();
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    Pressed& p = pressed_[rows_[k].key];
+    if (rows_[k].is_normal)
+      p.normal = std::max(0.0, p.normal + z[k]);
+    else
+      p.tangent += z[k] * rows_[k].direction;
+  }
+}
+
+bool ContactProjection::target_left_search() const {
+  double farthest = 0;
+  for (Local i = 0; i < search_.own(); ++i)
+    farthest = std::max(farthest, (target_.cloth[i] - searched_.cloth[i]).squaredNorm());
+  return std::sqrt(max_over(comm_, farthest)) > slack * thickness_;
+}
+
+/// The fraction of the way to the target on which no pair comes too near.
+double ContactProjection::step_length() {
+  search_.gather(target_.cloth, target_.obstacles, target_field_);
+  stuck_.clear();
+  double alpha = 1;
+  for (std::size_t k = 0; k < search_.pairs().size(); ++k) {
+    const Pair& pair = search_.pairs()[k];
+    const Four x = at(pair, safe_field_);
+    Four u = at(pair, target_field_);
+    for (int i = 0; i < 4; ++i) u[i] -= x[i];
+    const double gap = approaches_[k].gap;
+    const double part = advance(pair, x, u, floor_of(gap, thickness_));
+    if (part < 1) {
+      blocked_.insert(name_of(pair, search_.keys()));
+      stuck_.push_back(Local(k));
+    }
+    alpha = std::min(alpha, part);
+  }
+  return -max_over(comm_, -alpha);
+}
+
+double ContactProjection::distance_behind() const {
+  double farthest = 0;
+  for (Local i = 0; i < search_.own(); ++i)
+    farthest = std::max(farthest, (target_.cloth[i] - safe_.cloth[i]).squaredNorm());
+  return std::sqrt(max_over(comm_, farthest));
+}
+
+/// Gives up the way of the vertices that hold up all others: their target is where they are.
+void ContactProjection::free_stuck() {
+  std::vector<Vec3> mark(search_.size(), Vec3::Zero());
+  for (const Local k : stuck_)
+    for (const Local v : search_.pairs()[k].vertices) mark[v][0] = 1;
+  search_.accumulate(mark);
+  for (Local i = 0; i < search_.own(); ++i)
+    if (mark[i][0] > 0 && inverse_mass_[i] > 0) target_.cloth[i] = safe_.cloth[i];
+  cloth_.mesh.vertex_halo.update(target_.cloth);
+}
+
+void ContactProjection::advance_safe(double alpha) {
+  if (alpha == 1.0) {
+    safe_ = target_;
+    return;
+  }
+  for (std::size_t i = 0; i < safe_.cloth.size(); ++i)
+    safe_.cloth[i] += alpha * (target_.cloth[i] - safe_.cloth[i]);
+  for (std::size_t i = 0; i < safe_.obstacles.size(); ++i)
+    safe_.obstacles[i] += alpha * (target_.obstacles[i] - safe_.obstacles[i]);
+}
+
+} // namespace taut

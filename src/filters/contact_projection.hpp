@@ -1,0 +1,86 @@
+#pragma once
+#include "src/filters/contact_qp.hpp"
+#include "src/filters/velocity_filter.hpp"
+
+#include <set>
+
+namespace taut {
+
+/// Fast Projection with contact inside it: from the candidate end positions y, edges as equations and
+/// contacts as inequalities in one quadratic program, around an iterate x that never intersects.
+///
+///     minimise 1/2 |dy|_M^2  subject to  C(y) + J dy = 0,  n . sum_i w_i (y + dy)_i >= thickness
+///
+/// is solved for its multipliers (ContactQp). Then x moves towards y by the largest fraction of the way on
+/// which, by conservative advancement, no pair of features comes too near; pairs that stopped it get a row in
+/// the next iteration whatever their distance. The step is good when x has arrived and the measured strain is
+/// within the limit.
+///
+/// Friction is Coulomb's, implicit: a row for each of two tangents asks for no slip over the step, with a
+/// multiplier of at most the coefficient times the normal one of the iteration before (in the first
+/// iteration, of the step before).
+///
+/// Without a contact in reach it is Fast Projection, to the last digit.
+class ContactProjection : public VelocityFilter {
+public:
+  /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Throws InputError for what is
+  /// wrong with obstacles and thickness. Collective.
+  ContactProjection(const Cloth& cloth, const Case& input, double weight);
+
+  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
+                     Candidate& candidate) override;
+
+  double thickness() const { return thickness_; } ///< m
+
+private:
+  /// Cloth (local vertices) and obstacles.
+  struct Scene {
+    std::vector<Vec3> cloth, obstacles;
+  };
+
+  void begin(const State& start, double dt, std::span<const char> prescribed, const Candidate& candidate);
+  void search();
+  void look();
+  double strain_at_target(std::span<const char> prescribed);
+  void make_rows();
+  void add_normal_row(const Pair& pair, const Approach& here);
+  void add_friction_rows(const ContactRow& normal);
+  void project(double strain, FilterReport& report);
+  void note_multipliers();
+  bool target_left_search() const;
+  double distance_behind() const;
+  double step_length();
+  void advance_safe(double alpha);
+  void free_stuck();
+
+  MPI_Comm comm_;
+  const Cloth& cloth_;
+  config::Inextensibility limits_;
+  config::Contact contact_;
+  Obstacles obstacles_;
+  ContactSearch search_;
+  ProjectionSystem system_;
+  ContactQp qp_;
+  double thickness_, compliance_, gravity_;
+
+  // of the step in hand
+  double dt_ = 0;
+  int iteration_ = 0;
+  Global contacts_ = 0; ///< normal rows over all ranks
+  Scene start_, safe_, target_;
+  Scene searched_; ///< the target of the last search
+  std::vector<Vec3> start_field_, safe_field_, target_field_;
+  std::vector<Approach> approaches_; ///< of the pairs, at `safe_`
+  std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
+  std::vector<Local> stuck_;         ///< pairs that stopped it last
+  std::vector<ContactRow> rows_;
+  PressedMap pressed_;
+  std::vector<Vec3> gradient_;
+  std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;
+
+  PressedMap pressed_before_;   ///< over the last accepted step, divided by its dt^2: newtons
+  PressedMap pressed_proposed_; ///< the same, over the step that was proposed last
+  Global proposed_step_ = -1;
+};
+
+} // namespace taut

@@ -1,0 +1,57 @@
+#pragma once
+#include "src/contact/rows.hpp"
+#include "src/linear/bounded_qp.hpp"
+#include "src/linear/projection_system.hpp"
+
+namespace taut {
+
+/// The edges' part of a quadratic program: see ProjectionSystem::assemble.
+struct EdgeRows {
+  std::span<const Vec3> gradient;       ///< of local edges
+  std::span<const double> inverse_mass; ///< of local vertices
+  std::span<const double> shift;        ///< of owned edges
+  std::span<const double> residual;     ///< C - a mu of owned edges, what their rows have to take away
+  std::span<const double> tolerance;    ///< of owned edges, what may be left of it
+};
+
+/// Edges as equations and contacts as inequalities, in one quadratic program for their multipliers,
+///
+///     minimise 1/2 z' (R W R' + A) z - b'z,   R = [-J; N],  W the inverse masses,
+///
+/// A the compliance: that of the edges, and a small part of the diagonal for contact rows, which may be
+/// redundant. Matrix-free; preconditioned by the yarns' tridiagonal blocks and the contacts' diagonal.
+class ContactQp {
+public:
+  /// All references must outlive it; `system` is assembled for the edges at hand when solving. Collective.
+  ContactQp(const Cloth& cloth, const ContactSearch& search, ProjectionSystem& system);
+
+  /// Multipliers' increments of [owned edges; rows]. Collective.
+  QpReport solve(const EdgeRows& edges, std::span<const ContactRow> rows, int most_products);
+
+  std::span<const double> edge_part() const { return {z_.data(), edges_}; }
+  std::span<const double> row_part() const { return {z_.data() + edges_, z_.size() - edges_}; }
+
+  /// W R' z of the last solution, over local cloth vertices, ghosts current.
+  std::span<const Vec3> push() const { return push_; }
+
+private:
+  void set_diagonal();
+  void multiply(std::span<const double> z, std::span<double> result);
+  void precondition(std::span<const double> r, std::span<double> s);
+  void spread(std::span<const double> z);
+
+  const Cloth& cloth_;
+  const ContactSearch& search_;
+  ProjectionSystem& system_;
+  std::size_t edges_; ///< owned
+  EdgeRows edge_rows_;
+  std::span<const ContactRow> rows_;
+  std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
+  std::vector<double> inverse_mass_; ///< of a contact field
+  std::vector<double> row_diagonal_; ///< compliance in it
+  std::vector<double> row_compliance_;
+  std::vector<double> edge_values_; ///< of local edges
+  std::vector<Vec3> field_, push_;
+};
+
+} // namespace taut
