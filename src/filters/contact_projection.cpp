@@ -10,10 +10,10 @@ namespace taut {
 
 namespace {
 
-constexpr int most_products = 60;   ///< in one program; what is left waits for the next iteration
+constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double gap_left = 0.1;    ///< of the thickness
-constexpr double slip_left = 0.01;  ///< of gravity dt^2
+constexpr double gap_left = 0.1;    ///< by a program, of what a free vertex falls in a step
+constexpr double slip_left = 0.03;  ///< the same
 constexpr double slack = 1.0;       ///< of the thickness: how far a target may leave a search
 constexpr int patience = 6;         ///< iterations until stuck vertices are let go
 
@@ -21,6 +21,12 @@ SolverOptions solver_options(const config::Inextensibility& options) {
   return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
                                                         : SolverOptions::Kind::cg,
           1000};
+}
+
+double shortest_edge(const Cloth& cloth) {
+  double shortest = HUGE_VAL;
+  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) shortest = std::min(shortest, cloth.rest_length[e]);
+  return -max_over(cloth.mesh.comm, -shortest);
 }
 
 double mean_edge(const Cloth& cloth) {
@@ -54,7 +60,15 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, doub
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
       inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
       residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
-      mu_(cloth.mesh.edges.size()) {}
+      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.owned), guess_(pulled_), pulled_before_(pulled_),
+      pulled_proposed_(pulled_) {
+  const double most = 0.5 * shortest_edge(cloth);
+  if (thickness_ > most)
+    throw InputError(
+        fmt::format("{}: contact.thickness: {:.4g} m is more than half the shortest edge "
+                    "({:.4g} m), so that neighbours would push each other apart; give at most {:.4g}",
+                    input.file.string(), thickness_, 2 * most, most));
+}
 
 FilterReport ContactProjection::apply(const State& start, double dt, std::span<const char> prescribed,
                                       Candidate& candidate) {
@@ -87,10 +101,9 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
     const double reached = measure_strain(cloth_, safe_.cloth).max;
     if (alpha == 1.0 && reached <= limits_.strain) break;
     if (iteration_ == contact_.max_iterations) {
-      report.failure = fmt::format(
-          "projection with contact left a strain of {:.3g} (limit {:g}) and was stopped by contact "
-          "at {:.3g} of its way, after {} iterations",
-          reached, limits_.strain, alpha, iteration_);
+      report.failure =
+          fmt::format("projection with contact left a strain of {:.3g} (limit {:g}) after {} iterations{}",
+                      reached, limits_.strain, iteration_, what_stopped());
       break;
     }
     if (alpha < 1) timed([&] { look(); });
@@ -102,7 +115,11 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
   for (std::size_t e = 0; e < mu_.size(); ++e)
     candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt * dt);
   pressed_proposed_ = pressed_;
-  for (auto& [key, p] : pressed_proposed_) p.normal /= dt * dt;
+  for (auto& [key, p] : pressed_proposed_) {
+    p.normal /= dt * dt;
+    p.tangent /= dt * dt;
+  }
+  for (std::size_t e = 0; e < shift_.size(); ++e) pulled_proposed_[e] = pulled_[e] / (dt * dt);
   proposed_step_ = start.step;
   return report;
 }
@@ -110,7 +127,15 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
 void ContactProjection::begin(const State& start, double dt, std::span<const char> prescribed,
                               const Candidate& candidate) {
   dt_ = dt;
-  if (start.step == proposed_step_ + 1) pressed_before_ = pressed_proposed_; // the proposal was accepted
+  fall_ = gravity_ > 0 ? std::min(thickness_, gravity_ * dt * dt) : thickness_;
+  if (start.step == proposed_step_ + 1) { // the proposal was accepted
+    pressed_before_ = pressed_proposed_;
+    pulled_before_ = pulled_proposed_;
+  }
+  for (std::size_t e = 0; e < pulled_.size(); ++e) {
+    guess_[e] = pulled_before_[e] * dt * dt;
+    pulled_[e] = 0;
+  }
   proposed_step_ = -1;
   pressed_.clear();
   blocked_.clear();
@@ -136,6 +161,9 @@ void ContactProjection::search() {
                slack * thickness_);
   searched_ = target_;
   search_.gather(start_.cloth, start_.obstacles, start_field_);
+  mobility_.assign(search_.size(), Vec3::Zero());
+  for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
+  search_.update(mobility_);
   look();
 }
 
@@ -164,6 +192,13 @@ double ContactProjection::strain_at_target(std::span<const char> prescribed) {
   return max_over(mesh.comm, max);
 }
 
+/// What the step before pressed, for the present step size.
+Pressed ContactProjection::before(const ContactKey& key) const {
+  const auto found = pressed_before_.find(key);
+  if (found == pressed_before_.end()) return {};
+  return {found->second.normal * dt_ * dt_, found->second.tangent * dt_ * dt_};
+}
+
 void ContactProjection::make_rows() {
   rows_.clear();
   search_.gather(target_.cloth, target_.obstacles, target_field_);
@@ -187,35 +222,51 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   if (pair.kind == PairKind::edge_edge && !inside && !blocked) return; // vertices against faces have it
+  double mobility = 0;
+  for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
+  if (mobility == 0) return; // nothing here can be moved
   const ContactKey key = key_of(pair, here, search_.keys());
   const auto found = pressed_.find(key);
-  rows_.push_back({pair.vertices, here.weights, here.normal, thickness_ - gap,
-                   found == pressed_.end() ? 0.0 : -found->second.normal, HUGE_VAL, gap_left * thickness_,
+  const double guess = iteration_ == 1 ? before(key).normal : 0.0;
+  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap,
+                   found == pressed_.end() ? 0.0 : -found->second.normal, HUGE_VAL, gap_left * fall_, guess,
                    key, true});
   rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
 }
 
-/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force.
-void ContactProjection::add_friction_rows(const ContactRow& normal) {
-  const auto now = pressed_.find(normal.key);
-  double force = now == pressed_.end() ? 0.0 : now->second.normal;
-  if (iteration_ == 1) {
-    const auto then = pressed_before_.find(normal.key);
-    force = then == pressed_before_.end() ? 0.0 : then->second.normal * dt_ * dt_;
+/// The force that pressed a contact before this iteration, position-level.
+double ContactProjection::pressing(const ContactRow& normal) const {
+  if (iteration_ > 1) {
+    const auto now = pressed_.find(normal.key);
+    return now == pressed_.end() ? 0.0 : now->second.normal;
   }
-  const double most = normal.friction * force;
+  // a new contact is going to be pressed by what it takes to stop it
+  return pressed_before_.contains(normal.key) ? before(normal.key).normal
+                                              : std::max(0.0, normal.missing) / normal.mobility;
+}
+
+/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force. The
+/// first is along the force that it would take; the second gets what that leaves of Coulomb's cone, which is
+/// nothing where the contact slides.
+void ContactProjection::add_friction_rows(const ContactRow& normal) {
+  const double most = normal.friction * pressing(normal);
   if (most <= 0) return;
   Vec3 slip = Vec3::Zero();
   for (int i = 0; i < 4; ++i)
     slip += normal.weights[i] * (target_field_[normal.vertices[i]] - start_field_[normal.vertices[i]]);
+  slip -= normal.direction.dot(slip) * normal.direction;
+  const auto now = pressed_.find(normal.key);
   const Vec3 rubbed = now == pressed_.end() ? Vec3(Vec3::Zero()) : now->second.tangent;
-  Vec3 first = slip - normal.direction.dot(slip) * normal.direction;
-  if (first.norm() < 1e-12) first = normal.direction.unitOrthogonal();
-  first.normalize();
-  for (const Vec3& tangent : {first, Vec3(normal.direction.cross(first))}) {
+  const Vec3 needed = rubbed - slip / normal.mobility;
+  const Vec3 first =
+      needed.norm() * normal.mobility > 1e-12 ? Vec3(needed.normalized()) : normal.direction.unitOrthogonal();
+  const double rest = std::sqrt(std::max(0.0, most * most - needed.squaredNorm()));
+  for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(normal.direction.cross(first)), rest}}) {
     const double so_far = tangent.dot(rubbed);
-    rows_.push_back({normal.vertices, normal.weights, tangent, -tangent.dot(slip), -most - so_far,
-                     most - so_far, slip_left * gravity_ * dt_ * dt_, normal.key, false});
+    const double guess = iteration_ == 1 ? tangent.dot(before(normal.key).tangent) : 0.0;
+    if (bound > 0 || so_far != 0)
+      rows_.push_back({normal.vertices, normal.weights, tangent, normal.mobility, -tangent.dot(slip),
+                       -bound - so_far, bound - so_far, slip_left * fall_, guess, normal.key, false});
   }
 }
 
@@ -235,7 +286,8 @@ void ContactProjection::project(double strain, FilterReport& report) {
     }
     mesh.vertex_halo.update(target_.cloth);
   } else {
-    const EdgeRows edges{gradient_, inverse_mass_, shift_, residual_, tolerance_};
+    if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
+    const EdgeRows edges{gradient_, inverse_mass_, shift_, residual_, tolerance_, guess_};
     report.linear_iterations += qp_.solve(edges, rows_, most_products).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];
@@ -244,6 +296,7 @@ void ContactProjection::project(double strain, FilterReport& report) {
     note_multipliers();
   }
   for (std::size_t e = 0; e < mu_.size(); ++e) mu_[e] += change_[e];
+  for (std::size_t e = 0; e < pulled_.size(); ++e) pulled_[e] += change_[e];
 }
 
 void ContactProjection::note_multipliers() {
@@ -290,6 +343,21 @@ double ContactProjection::distance_behind() const {
   for (Local i = 0; i < search_.own(); ++i)
     farthest = std::max(farthest, (target_.cloth[i] - safe_.cloth[i]).squaredNorm());
   return std::sqrt(max_over(comm_, farthest));
+}
+
+/// The first of the pairs that stopped the safe iterate, in words.
+std::string ContactProjection::what_stopped() const {
+  std::string mine;
+  if (!stuck_.empty()) {
+    const Pair& pair = search_.pairs()[stuck_.front()];
+    const Vec3& x = safe_field_[pair.vertices[0]];
+    mine =
+        fmt::format(" and was stopped by contact with {} at ({:.4g}, {:.4g}, {:.4g}) m",
+                    pair.body >= 0 ? obstacles_.body(pair.body).name : "the cloth itself", x[0], x[1], x[2]);
+  }
+  const int ranks = size_of(comm_);
+  const Global speaker = -max_over(comm_, Global(mine.empty() ? -ranks : -rank_of(comm_)));
+  return speaker < ranks ? broadcast_text(comm_, mine, int(speaker)) : "";
 }
 
 /// Gives up the way of the vertices that hold up all others: their target is where they are.

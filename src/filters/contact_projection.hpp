@@ -42,8 +42,10 @@ private:
   void search();
   void look();
   double strain_at_target(std::span<const char> prescribed);
+  Pressed before(const ContactKey& key) const;
   void make_rows();
   void add_normal_row(const Pair& pair, const Approach& here);
+  double pressing(const ContactRow& normal) const;
   void add_friction_rows(const ContactRow& normal);
   void project(double strain, FilterReport& report);
   void note_multipliers();
@@ -52,6 +54,7 @@ private:
   double step_length();
   void advance_safe(double alpha);
   void free_stuck();
+  std::string what_stopped() const;
 
   MPI_Comm comm_;
   const Cloth& cloth_;
@@ -65,11 +68,13 @@ private:
 
   // of the step in hand
   double dt_ = 0;
+  double fall_ = 0; ///< m that gravity moves a free vertex, at most the thickness
   int iteration_ = 0;
   Global contacts_ = 0; ///< normal rows over all ranks
   Scene start_, safe_, target_;
   Scene searched_; ///< the target of the last search
   std::vector<Vec3> start_field_, safe_field_, target_field_;
+  std::vector<Vec3> mobility_;       ///< 1/kg, in the first component, as a contact field
   std::vector<Approach> approaches_; ///< of the pairs, at `safe_`
   std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
   std::vector<Local> stuck_;         ///< pairs that stopped it last
@@ -78,6 +83,8 @@ private:
   std::vector<Vec3> gradient_;
   std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;
 
+  std::vector<double> pulled_, guess_; ///< by the step's programs on owned edges, kg m; where they start
+  std::vector<double> pulled_before_, pulled_proposed_; ///< as pressed_before_, pressed_proposed_
   PressedMap pressed_before_;   ///< over the last accepted step, divided by its dt^2: newtons
   PressedMap pressed_proposed_; ///< the same, over the step that was proposed last
   Global proposed_step_ = -1;

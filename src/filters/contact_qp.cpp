@@ -8,7 +8,7 @@ namespace {
 
 /// Part of a row's diagonal that is added to it. Rows of many layers depend on one another; the outer
 /// iterations take away what the compliance leaves.
-constexpr double normal_compliance = 0.05, friction_compliance = 1e-3;
+constexpr double normal_compliance = 0.05, friction_compliance = 2e-3;
 
 } // namespace
 
@@ -19,8 +19,7 @@ ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search, Projection
 QpReport ContactQp::solve(const EdgeRows& edges, std::span<const ContactRow> rows, int most_products) {
   edge_rows_ = edges;
   rows_ = rows;
-  const std::size_t size = edges_ + rows.size();
-  z_.assign(size, 0.0);
+  z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
   tolerance_.assign(edges.tolerance.begin(), edges.tolerance.begin() + edges_);
   lower_.assign(edges_, -HUGE_VAL);
@@ -30,6 +29,7 @@ QpReport ContactQp::solve(const EdgeRows& edges, std::span<const ContactRow> row
     lower_.push_back(row.lower);
     upper_.push_back(row.upper);
     tolerance_.push_back(row.slack);
+    z_.push_back(row.guess);
   }
   set_diagonal();
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
@@ -44,17 +44,11 @@ QpReport ContactQp::solve(const EdgeRows& edges, std::span<const ContactRow> row
 }
 
 void ContactQp::set_diagonal() {
-  std::vector<Vec3> masses(search_.size(), Vec3::Zero());
-  for (Local i = 0; i < search_.own(); ++i) masses[i][0] = edge_rows_.inverse_mass[i];
-  search_.update(masses);
   row_diagonal_.clear();
   row_compliance_.clear();
   for (const ContactRow& row : rows_) {
-    double diagonal = 0;
-    for (int i = 0; i < 4; ++i) diagonal += row.weights[i] * row.weights[i] * masses[row.vertices[i]][0];
-    const double compliance = (row.is_normal ? normal_compliance : friction_compliance) * diagonal;
-    row_compliance_.push_back(compliance);
-    row_diagonal_.push_back(diagonal + compliance);
+    row_compliance_.push_back((row.is_normal ? normal_compliance : friction_compliance) * row.mobility);
+    row_diagonal_.push_back(row.mobility + row_compliance_.back());
   }
 }
 

@@ -12,6 +12,7 @@ struct EdgeRows {
   std::span<const double> shift;        ///< of owned edges
   std::span<const double> residual;     ///< C - a mu of owned edges, what their rows have to take away
   std::span<const double> tolerance;    ///< of owned edges, what may be left of it
+  std::span<const double> guess;        ///< of owned edges, the multipliers' increments
 };
 
 /// Edges as equations and contacts as inequalities, in one quadratic program for their multipliers,
@@ -47,7 +48,6 @@ private:
   EdgeRows edge_rows_;
   std::span<const ContactRow> rows_;
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
-  std::vector<double> inverse_mass_; ///< of a contact field
   std::vector<double> row_diagonal_; ///< compliance in it
   std::vector<double> row_compliance_;
   std::vector<double> edge_values_; ///< of local edges

@@ -1,0 +1,266 @@
+// Contact below the time step: closest points, conservative advancement, the search against brute force.
+#include "src/contact/contact_search.hpp"
+#include "src/contact/intersections.hpp"
+#include "tests/simulate.hpp"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+
+#include <set>
+
+namespace taut::test {
+namespace {
+
+Four random_four(unsigned seed, double size = 1.0) {
+  const auto v = random_vectors(4, size, seed);
+  return {v[0], v[1], v[2], v[3]};
+}
+
+/// The distance by trying many points of both features.
+double sampled_distance(PairKind kind, const Four& x, int n) {
+  double least = HUGE_VAL;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= (kind == PairKind::edge_edge ? n : n - i); ++j) {
+      const double s = double(i) / n, t = double(j) / n;
+      const Vec3 offset = kind == PairKind::edge_edge
+                              ? Vec3((1 - s) * x[0] + s * x[1] - (1 - t) * x[2] - t * x[3])
+                              : Vec3(x[0] - (1 - s - t) * x[1] - s * x[2] - t * x[3]);
+      least = std::min(least, offset.norm());
+    }
+  return least;
+}
+
+TEST(Closest, IsNoFartherThanAnySampledPoints) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const Four x = random_four(seed);
+    for (const PairKind kind : {PairKind::vertex_face, PairKind::edge_edge}) {
+      const Closest c = kind == PairKind::vertex_face ? closest_vertex_face(x) : closest_edge_edge(x);
+      const double sampled = sampled_distance(kind, x, 60);
+      EXPECT_LE(c.distance, sampled + 1e-12) << seed;
+      EXPECT_GE(c.distance, sampled - 0.06) << seed;
+      EXPECT_NEAR(c.weights[0] + c.weights[1] + c.weights[2] + c.weights[3], 0.0, 1e-12);
+      EXPECT_NEAR(c.offset.norm(), c.distance, 1e-15);
+    }
+  }
+}
+
+TEST(Closest, ParallelAndDegenerateEdgesHaveADistance) {
+  const Vec3 o(0, 0, 0), x(1, 0, 0), y(0, 1, 0), xy(1, 1, 0), far(3, 4, 0);
+  EXPECT_DOUBLE_EQ(closest_edge_edge({o, x, y, xy}).distance, 1.0);
+  EXPECT_DOUBLE_EQ(closest_edge_edge({o, x, xy, y}).distance, 1.0);
+  EXPECT_DOUBLE_EQ(closest_edge_edge({o, o, y, xy}).distance, 1.0);
+  EXPECT_DOUBLE_EQ(closest_edge_edge({o, x, y, y}).distance, 1.0);
+  EXPECT_DOUBLE_EQ(closest_edge_edge({o, o, far, far}).distance, 5.0);
+}
+
+Pair pair_of(PairKind kind) { return {{0, 1, 2, 3}, kind, -1, 0.0, Vec3::UnitZ()}; }
+
+Four moved(const Four& x, const Four& u, double t) {
+  Four y;
+  for (int i = 0; i < 4; ++i) y[i] = x[i] + t * u[i];
+  return y;
+}
+
+TEST(Advance, KeepsTheFloorAndDoesNotStopForNothing) {
+  int stopped = 0, arrived = 0;
+  for (unsigned seed = 0; seed < 400; ++seed)
+    for (const PairKind kind : {PairKind::vertex_face, PairKind::edge_edge, PairKind::vertex_plane}) {
+      const Pair pair = pair_of(kind);
+      const Four x = random_four(seed), u = random_four(seed + 1000, 2.0);
+      const double gap = approach(pair, x).gap, floor = 0.2 * gap;
+      if (gap <= 0) continue;
+      const double part = advance(pair, x, u, floor);
+      double least = gap;
+      for (int k = 0; k <= 200; ++k) least = std::min(least, approach(pair, moved(x, u, part * k / 200)).gap);
+      EXPECT_GE(least, floor - 1e-12) << seed;
+      double least_of_all = gap;
+      for (int k = 0; k <= 2000; ++k)
+        least_of_all = std::min(least_of_all, approach(pair, moved(x, u, k / 2000.0)).gap);
+      if (least_of_all > 1.1 * floor) {
+        EXPECT_EQ(part, 1.0) << seed;
+      }
+      ++(part < 1 ? stopped : arrived);
+    }
+  EXPECT_GT(stopped, 100);
+  EXPECT_GT(arrived, 100);
+}
+
+Case crumpled_case() {
+  return case_of("cloth: {grid: {size: [1, 1], vertices: [8, 7]}}\n"
+                 "contact: {thickness: 0.01}\n"
+                 "obstacles:\n"
+                 "  - sphere: {centre: [0.3, 0.3, 0.2], radius: 0.1}\n"
+                 "  - capsule: {from: [0, 0.5, 0.3], to: [1, 0.6, 0.3], radius: 0.05}\n"
+                 "  - box: {min: [0.6, 0.1, -0.2], max: [0.9, 0.4, 0.1]}\n"
+                 "  - plane: {point: [0, 0, -0.3]}\n");
+}
+
+using Name = std::vector<Global>;
+Name name_of(const Pair& pair, std::span<const Global> keys) {
+  Name name{Global(pair.kind)};
+  for (const Local v : pair.vertices) name.push_back(keys[v]);
+  auto sort = [&](int from, int to) { std::sort(name.begin() + from, name.begin() + to); };
+  if (pair.kind == PairKind::vertex_face) sort(2, 5);
+  if (pair.kind == PairKind::edge_edge) {
+    sort(1, 3);
+    sort(3, 5);
+    if (std::pair(name[3], name[4]) < std::pair(name[1], name[2])) {
+      std::swap(name[1], name[3]);
+      std::swap(name[2], name[4]);
+    }
+  }
+  return name;
+}
+
+/// Random positions and ends of a motion, of the whole cloth.
+struct Crumpled {
+  Case input = crumpled_case();
+  Cloth cloth;
+  Obstacles obstacles;
+  std::vector<Vec3> from, to, bodies;
+
+  Crumpled(DistributedMesh mesh, unsigned seed)
+      : cloth(make_cloth(std::move(mesh), input.cloth.material)), obstacles(cloth.mesh.comm, input) {
+    const auto place = random_vectors(56, 0.5, seed), motion = random_vectors(56, 0.05, seed + 1);
+    for (const Global v : cloth.mesh.vertices.original) {
+      from.push_back(place[v] + Vec3(0.5, 0.5, 0.2));
+      to.push_back(from.back() + motion[v]);
+    }
+    obstacles.place(0, bodies);
+  }
+  Motion motion() const { return {from, to, bodies, bodies}; }
+};
+
+MeshSlab crumpled_mesh(MPI_Comm comm) { return make_grid(comm, {1, 1}, {8, 7}); }
+
+/// All pairs of a search, over all ranks, with what must be true of each.
+std::multiset<Name> everybodys_pairs(const Cloth& cloth, const ContactSearch& search, double reach) {
+  std::vector<Global> flat;
+  for (const Pair& p : search.pairs()) {
+    const Name name = name_of(p, search.keys());
+    flat.insert(flat.end(), name.begin(), name.end());
+  }
+  std::vector<Global> all;
+  std::vector<int> destinations;
+  std::vector<Global> copies;
+  for (int r = 0; r < size_of(cloth.mesh.comm); ++r) {
+    copies.insert(copies.end(), flat.begin(), flat.end());
+    destinations.insert(destinations.end(), flat.size(), r);
+  }
+  all = exchange(cloth.mesh.comm, copies, destinations).items;
+  std::multiset<Name> names;
+  for (std::size_t i = 0; i < all.size(); i += 5) names.insert(Name(all.begin() + i, all.begin() + i + 5));
+  (void)reach;
+  return names;
+}
+
+TEST(ContactSearch, FindsTheSamePairsOnceOnAnyPartition) {
+  Crumpled whole(serial(crumpled_mesh), 3);
+  ContactSearch serial_search(whole.cloth, whole.obstacles);
+  serial_search.find(whole.motion(), 0.02, 0.001);
+  const auto expected = everybodys_pairs(whole.cloth, serial_search, 0.02);
+  EXPECT_GT(expected.size(), 500u);
+  on_odd_partitions(crumpled_mesh, [&](DistributedMesh mesh) {
+    Crumpled part(std::move(mesh), 3);
+    ContactSearch search(part.cloth, part.obstacles);
+    search.find(part.motion(), 0.02, 0.001);
+    EXPECT_EQ(everybodys_pairs(part.cloth, search, 0.02), expected);
+  });
+}
+
+/// Every triangle of the grid, cut as the surface is, and every edge.
+struct Features {
+  std::vector<std::array<Global, 3>> faces;
+  std::set<std::array<Global, 2>> edges;
+
+  Features() {
+    const MeshSlab slab = crumpled_mesh(self);
+    for (const Cell& c : slab.cell) {
+      const auto& v = c.vertices;
+      faces.push_back({v[0], v[1], v[2]});
+      faces.push_back({v[0], v[2], v[3]});
+    }
+    for (const auto& f : faces)
+      for (int k = 0; k < 3; ++k)
+        edges.insert({std::min(f[k], f[(k + 1) % 3]), std::max(f[k], f[(k + 1) % 3])});
+  }
+};
+
+TEST(ContactSearch, FindsWhatBruteForceFinds) {
+  Crumpled whole(serial(crumpled_mesh), 5);
+  const double reach = 0.02;
+  ContactSearch search(whole.cloth, whole.obstacles);
+  search.find(whole.motion(), reach, 0.0);
+  const auto found = everybodys_pairs(whole.cloth, search, reach);
+  std::vector<Vec3> from(56), to(56);
+  for (Local i = 0; i < 56; ++i) {
+    from[whole.cloth.mesh.vertices.original[i]] = whole.from[i];
+    to[whole.cloth.mesh.vertices.original[i]] = whole.to[i];
+  }
+  const auto comes_near = [&](const Pair& pair, const std::array<Global, 4>& v) {
+    const Four x{from[v[0]], from[v[1]], from[v[2]], from[v[3]]}, y{to[v[0]], to[v[1]], to[v[2]], to[v[3]]};
+    Four u;
+    for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
+    for (int k = 0; k <= 50; ++k)
+      if (approach(pair, moved(x, u, k / 50.0)).gap < reach) return true;
+    return false;
+  };
+  const Features features;
+  int expected = 0;
+  const auto expect = [&](const Pair& pair, const std::array<Global, 4>& v) {
+    if (!comes_near(pair, v)) return;
+    ++expected;
+    const Pair by_key{{0, 1, 2, 3}, pair.kind, -1, 0, Vec3::Zero()};
+    EXPECT_EQ(found.count(name_of(by_key, v)), 1u);
+  };
+  for (Global p = 0; p < 56; ++p)
+    for (const auto& f : features.faces)
+      if (std::find(f.begin(), f.end(), p) == f.end())
+        expect(pair_of(PairKind::vertex_face), {p, f[0], f[1], f[2]});
+  for (const auto& e : features.edges)
+    for (const auto& g : features.edges)
+      if (e < g && e[0] != g[0] && e[0] != g[1] && e[1] != g[0] && e[1] != g[1])
+        expect(pair_of(PairKind::edge_edge), {e[0], e[1], g[0], g[1]});
+  EXPECT_GT(expected, 200);
+}
+
+TEST(Intersections, AreCountedAlikeOnAnyPartition) {
+  Crumpled whole(serial(crumpled_mesh), 7);
+  const auto count = [](const Crumpled& c) {
+    Intersections test(c.cloth, c.obstacles);
+    return sum_over(c.cloth.mesh.comm, Global(test.find(c.from, c.bodies).size()));
+  };
+  const Global expected = count(whole);
+  EXPECT_GT(expected, 100);
+  on_odd_partitions(crumpled_mesh,
+                    [&](DistributedMesh mesh) { EXPECT_EQ(count(Crumpled(std::move(mesh), 7)), expected); });
+}
+
+/// An independent count: an edge meets a face where the signs of the volumes say so.
+TEST(Intersections, AgreeWithSignsOfVolumes) {
+  Crumpled whole(serial(crumpled_mesh), 9);
+  Case nothing = crumpled_case();
+  nothing.obstacles.clear();
+  const Obstacles none(self, nothing);
+  Intersections test(whole.cloth, none);
+  std::vector<Vec3> x(56);
+  for (Local i = 0; i < 56; ++i) x[whole.cloth.mesh.vertices.original[i]] = whole.from[i];
+  const auto volume = [&](Global a, Global b, Global c, Global d) {
+    return (x[b] - x[a]).cross(x[c] - x[a]).dot(x[d] - x[a]);
+  };
+  Global expected = 0;
+  const Features features;
+  for (const auto& [a, b] : features.edges)
+    for (const auto& [p, q, r] : features.faces) {
+      if (std::set<Global>{a, b, p, q, r}.size() < 5) continue;
+      const bool crosses = volume(p, q, r, a) * volume(p, q, r, b) < 0;
+      const double s1 = volume(a, b, p, q), s2 = volume(a, b, q, r), s3 = volume(a, b, r, p);
+      expected += crosses && ((s1 > 0 && s2 > 0 && s3 > 0) || (s1 < 0 && s2 < 0 && s3 < 0));
+    }
+  EXPECT_EQ(Global(test.find(whole.from, {}).size()), expected);
+  EXPECT_GT(expected, 100);
+}
+
+} // namespace
+} // namespace taut::test
