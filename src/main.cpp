@@ -19,6 +19,8 @@ Examples:
   taut run cases/drape/case.yaml                    one rank, results in out/drape
   mpirun -n 8 taut run cases/drape/case.yaml --out out/fine --set 'cloth.grid.vertices=[281, 281]'
   taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor
+  mpirun -n 3 taut resume out/fine                  go on from the last checkpoint, on any number of ranks
+  taut resume out/drape --set time.end=5            the same with other settings
   taut check case.yaml                              validate a case without running it
   taut info out/drape                               what a run holds, in words
   taut schema                                       all keys of a case file (JSON Schema; --table for a table)
@@ -26,7 +28,7 @@ Examples:
 What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
 with -projection_. Units are SI; a value may name another, as in '10 ms' or '1 %'.
 Exit codes: 0 all accepted steps met the limits of the case; 1 a fault in the program; 2 a mistake in the case, mesh,
-options or output folder; 3 no acceptable step could be found.)";
+options or output folder; 3 no acceptable step could be found; 4 stopped by SIGTERM, SIGINT or SIGUSR1, to be resumed.)";
 
 /// The command line, cut at "--".
 struct Arguments {
@@ -76,19 +78,24 @@ public:
     app_.set_version_flag("--version", std::string("taut ") + TAUT_VERSION);
     app_.footer(footer);
     run_ = app_.add_subcommand("run", "Simulate a case");
+    resume_ = app_.add_subcommand("resume", "Go on with a run from its last checkpoint");
     check_ = app_.add_subcommand("check", "Validate a case, its mesh and options, and say what is wrong");
     info_ = app_.add_subcommand("info", "Say in words what a run folder or a case file holds");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
-    for (CLI::App* command : {run_, check_}) {
+    for (CLI::App* command : {run_, check_})
       command->add_option("case", case_, "The case file (YAML)")->required();
+    for (CLI::App* command : {run_, resume_, check_})
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
           ->type_name("KEY=VALUE")
           ->take_all();
-    }
     run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
     run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
-    run_->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
-        ->check(CLI::IsMember({"auto", "lines", "bar"}));
+    for (CLI::App* command : {run_, resume_})
+      command->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
+          ->check(CLI::IsMember({"auto", "lines", "bar"}));
+    resume_->add_option("folder", path_, "The folder of the run")->required();
+    resume_->add_option("--checkpoint", checkpoint_,
+                        "Go on from this one (default: the latest in the folder)");
     info_->add_option("path", path_, "A folder with a run, or a case file")->required();
     schema_->add_flag("--table", table_, "A Markdown table instead");
   }
@@ -104,8 +111,11 @@ public:
     }
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
     if (*info_) return info(comm, path_);
-    CaseSource source{case_, {}, !arguments.petsc.empty()};
-    for (const std::string& s : sets_) source.overrides.push_back(parse_override(s));
+    std::vector<Override> overrides;
+    for (const std::string& s : sets_) overrides.push_back(parse_override(s));
+    if (*resume_)
+      return resume(comm, {path_, overrides, !arguments.petsc.empty(), checkpoint_, style_of(progress_)});
+    const CaseSource source{case_, overrides, !arguments.petsc.empty()};
     if (*check_) return check(comm, source);
     return run(
         comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
@@ -119,7 +129,7 @@ private:
     for (const CLI::App* command : app_.get_subcommands(nullptr))
       if (command->get_name() == word) return;
     throw InputError(fmt::format(
-        "there is no command '{}'; commands are run, check, info and schema, see taut --help", word));
+        "there is no command '{}'; commands are run, resume, check, info and schema, see taut --help", word));
   }
 
   static int print(MPI_Comm comm, const std::string& text) {
@@ -128,8 +138,8 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *check_, *info_, *schema_;
-  std::string case_, out_, path_, progress_ = "auto";
+  CLI::App *run_, *resume_, *check_, *info_, *schema_;
+  std::string case_, out_, path_, checkpoint_, progress_ = "auto";
   std::vector<std::string> sets_;
   bool overwrite_ = false, table_ = false;
 };

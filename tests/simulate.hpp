@@ -34,7 +34,7 @@ private:
 inline void run_to_the_end(Simulation& simulation, Observer& observer) {
   Observer* const observers[] = {&observer};
   const Outcome outcome = simulation.run(observers);
-  EXPECT_TRUE(outcome.completed) << outcome.reason;
+  EXPECT_TRUE(outcome.completed()) << outcome.reason;
 }
 
 } // namespace taut::test

@@ -150,15 +150,15 @@ MISTAKES = [
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, check, info and schema, see taut --help"),
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info and schema, see taut --help"),
     command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
 
     Mistake("output_below_a_file", "taut: case.yaml/result: cannot be written: Not a directory; choose another folder "
             "with --out", arguments=("run", "case.yaml", "--out", "case.yaml/result")),
     Mistake("output_onto_the_case", "taut: .: the case file lies in this folder and would be replaced by the case as run; "
             "choose another folder with --out", arguments=("run", "case.yaml", "--out", ".", "--overwrite")),
-    Mistake("output_holds_a_run", "taut: result: this folder holds a run already; choose another with --out, or give "
-            "--overwrite to replace that run", files={"result/summary.json": "{}\n", "result/mesh.h5": "old\n"}),
+    Mistake("output_holds_a_run", "taut: result: this folder holds a run already; choose another with --out, go on with "
+            "it by taut resume, or give --overwrite to replace that run", files={"result/summary.json": "{}\n", "result/mesh.h5": "old\n"}),
 ]
 
 

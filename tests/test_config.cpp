@@ -1,7 +1,9 @@
 #include "src/config/case.hpp"
+#include "src/config/changes.hpp"
 #include "src/config/fabrics.hpp"
 #include "src/config/units.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -446,4 +448,27 @@ TEST(ConfigOverride, Errors) {
             "--set pins.x.release=1: 'x' is not an entry of the list, which has 1; count from 0");
   EXPECT_EQ(error(grid + "time: {end: 1}", {{"time.end.now", "1"}}),
             "--set time.end.now=1: there is no 'now' below '1'");
+}
+
+TEST(Changes, AreToldKeyByKey) {
+  const std::string text = "cloth: {grid: {size: [1, 1], vertices: [5, 5]}}\n"
+                           "pins: [{vertices: [0, 4]}, {near: [[1, 1, 0]], release: 2}]\n";
+  const Case before = read_case(text, "case.yaml");
+  EXPECT_TRUE(changes_between(before, before).empty());
+  const std::vector<Override> overrides{{"time.end", "2 s"},
+                                        {"gravity", "[0, 0, -1]"},
+                                        {"pins.1.release", "0.5"},
+                                        {"pins.0.motion", "[{time: 1, translate: [0, 0, 1]}]"},
+                                        {"air", "{}"}};
+  const auto changes = changes_between(before, read_case(text, "case.yaml", overrides));
+  std::vector<std::string> words;
+  for (const KeyChange& c : changes) words.push_back(c.key + ": " + c.before + " -> " + c.after);
+  EXPECT_THAT(words, testing::IsSupersetOf({"time.end: 1 -> 2", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
+                                            "pins.1.release: 2 -> 0.5",
+                                            "pins.0.motion.0.translate: none -> [0, 0, 1]",
+                                            "air.drag: none -> 1"}));
+  for (const KeyChange& c : changes)
+    EXPECT_TRUE(c.key.starts_with("time.end") || c.key.starts_with("gravity") || c.key.starts_with("pins.") ||
+                c.key.starts_with("air."))
+        << c.key;
 }

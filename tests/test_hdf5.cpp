@@ -1,16 +1,17 @@
 #include "io/hdf5.hpp"
 #include "io/whole_file.hpp"
 #include "io/xdmf.hpp"
+#include "tests/folder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <numeric>
 
 using namespace taut;
+using taut::test::Folder;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -19,29 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 const MPI_Comm world = MPI_COMM_WORLD;
-
-/// A folder of the test's own, the same on all ranks, gone at the end.
-class Folder {
-public:
-  Folder() {
-    path_ = broadcast(world, [] {
-      std::string name = (fs::temp_directory_path() / "taut-hdf5-XXXXXX").string();
-      return std::string(mkdtemp(name.data()));
-    });
-  }
-  ~Folder() {
-    MPI_Barrier(world);
-    if (rank_of(world) == 0) fs::remove_all(path_);
-  }
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t files() const {
-    MPI_Barrier(world);
-    return std::distance(fs::directory_iterator(path_), {});
-  }
-
-private:
-  fs::path path_;
-};
 
 Slab my_slab(Global total) { return slab_of(total, size_of(world), rank_of(world)); }
 

@@ -31,7 +31,7 @@ struct Run {
 Run run(MPI_Comm comm, const std::string& text) {
   Simulation simulation(comm, case_of(text));
   const Outcome outcome = simulation.run({});
-  EXPECT_TRUE(outcome.completed) << outcome.reason;
+  EXPECT_TRUE(outcome.completed()) << outcome.reason;
   return {gather<Vec3>(comm, simulation.cloth().mesh.vertices, simulation.state().positions),
           simulation.state().step};
 }

@@ -11,7 +11,7 @@
 /// What `taut <command>` does. Each returns the program's exit code; all are collective, and rank 0 speaks.
 namespace taut::command {
 
-enum ExitCode { success = 0, internal_error = 1, input_error = 2, step_failure = 3 };
+enum ExitCode { success = 0, internal_error = 1, input_error = 2, step_failure = 3, interrupted = 4 };
 
 /// What `run` and `check` are told about a case.
 struct CaseSource {
@@ -29,7 +29,16 @@ struct RunOptions {
   ProgressStyle progress = ProgressStyle::lines;
 };
 
+struct ResumeOptions {
+  std::filesystem::path folder; ///< of the run
+  std::vector<Override> overrides;
+  bool has_petsc_options = false;
+  std::filesystem::path checkpoint; ///< empty: the latest that is whole
+  ProgressStyle progress = ProgressStyle::lines;
+};
+
 int run(MPI_Comm comm, const RunOptions& options);
+int resume(MPI_Comm comm, const ResumeOptions& options);
 int check(MPI_Comm comm, const CaseSource& source);
 int info(MPI_Comm comm, const std::filesystem::path& path);
 

@@ -1,6 +1,7 @@
 #include "partition/yarns.hpp"
 #include "src/command/command.hpp"
 #include "src/state/start.hpp"
+#include "src/time/checkpoint.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -75,6 +76,9 @@ std::string describe_run(const fs::path& folder) {
   } else {
     throw InputError(fmt::format("{}: holds no run (no summary.json, no frames.xdmf)", folder.string()));
   }
+  if (const auto checkpoints = checkpoints_in(folder); !checkpoints.empty())
+    text += fmt::format("  resume      taut resume {}  (goes on after step {})\n", folder.string(),
+                        step_of_checkpoint(checkpoints[0]));
   return text + fmt::format("  look        paraview {0}  (edges with strain and tension: edges.xdmf)\n",
                             fs::absolute(folder / "frames.xdmf").lexically_normal().string());
 }

@@ -208,6 +208,14 @@ struct Partition {
   bool operator==(const Partition&) const = default;
 };
 
+/// When to write what a run can be resumed from; 0 is never. The end of a run always is.
+struct Checkpoint {
+  int every_steps = 0;
+  double every_time = 0;   ///< s, simulated
+  double every_wall = 600; ///< s, on the clock
+  bool operator==(const Checkpoint&) const = default;
+};
+
 struct Output {
   std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
                             Field::tension};
@@ -230,6 +238,7 @@ struct Case {
   config::Velocity velocity;
   config::Inextensibility inextensibility;
   config::Partition partition;
+  config::Checkpoint checkpoint;
   config::Output output;
 
   bool has_contact() const {

@@ -268,6 +268,16 @@ void describe(V& v, Is<Partition> auto& p) {
 }
 
 template<class V>
+void describe(V& v, Is<Checkpoint> auto& c) {
+  v("every_steps", c.every_steps,
+    {.range = not_negative, .meaning = "time steps between two; 0: any number"});
+  v("every_time", c.every_time,
+    {.unit = Unit::second, .range = not_negative, .meaning = "simulated time between two; 0: any"});
+  v("every_wall", c.every_wall,
+    {.unit = Unit::second, .range = not_negative, .meaning = "time on the clock between two; 0: any"});
+}
+
+template<class V>
 void describe(V& v, Is<Output> auto& o) {
   v("fields", o.fields, {.meaning = "what a frame holds"});
 }
@@ -287,6 +297,8 @@ void describe(V& v, Is<Case> auto& c) {
   v("velocity", c.velocity, {.meaning = "the implicit velocity solve"});
   v("inextensibility", c.inextensibility, {.meaning = "what keeps the cloth from stretching"});
   v("partition", c.partition, {.meaning = "distribution over the ranks"});
+  v("checkpoint", c.checkpoint,
+    {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
   v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
           "must be a word without '/'; it names a folder");

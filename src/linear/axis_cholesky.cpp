@@ -16,11 +16,10 @@ AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
 
 void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
   constexpr double least_shift = 0.1; // a smaller one leaves factors that are whole but poor
-  shift_ = shift_ > 2 * least_shift ? shift_ / 2 : 0.0; // perhaps less will do this time
-  for (;; shift_ = std::max(2 * shift_, least_shift)) {
+  for (double shift = 0;; shift = std::max(2 * shift, least_shift)) {
     collect(matrix);
     leave_out(prescribed);
-    for (double& d : diagonal_) d *= 1 + shift_;
+    for (double& d : diagonal_) d *= 1 + shift;
     if (eliminate()) return;
   }
 }

@@ -13,7 +13,8 @@ public:
   explicit AxisCholesky(const Pattern& pattern);
 
   /// Prescribed vertices get the identity. If a pivot comes out too small, it starts again with a larger
-  /// diagonal [Manteuffel 1980]; the next factorisation tries half that shift. Not collective.
+  /// diagonal [Manteuffel 1980]. Depends on nothing but its arguments, so that a resumed run goes on exactly
+  /// as the unbroken one. Not collective.
   void factor(const VertexMatrix& matrix, std::span<const char> prescribed);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.
@@ -29,7 +30,6 @@ private:
   std::vector<std::int32_t> offsets_{0}; ///< rows of the strictly lower triangle
   std::vector<Local> columns_;
   std::vector<double> lower_;
-  double shift_ = 0;             ///< by how much the diagonal was raised, relative to itself
   std::vector<double> diagonal_; ///< D; in `factor`, first the matrix's own diagonal
 };
 

@@ -22,6 +22,15 @@ struct State {
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
 };
 
+/// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)` and
+/// `visit.on_edges(name, field)`. A new field of the state needs a line here and nothing else.
+template<class S, class V>
+void visit_fields(S& state, V& visit) {
+  visit.on_vertices("positions", state.positions);
+  visit.on_vertices("velocities", state.velocities);
+  visit.on_edges("force_density", state.force_density);
+}
+
 /// What a step proposes before it is accepted.
 struct Candidate {
   std::vector<Vec3> velocities;

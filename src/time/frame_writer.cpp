@@ -92,21 +92,29 @@ XdmfCells shape_of(const DistributedMesh& mesh) {
   return largest == 2 ? XdmfCells::lines : largest == 3 ? XdmfCells::triangles : XdmfCells::quads;
 }
 
-std::string frame_file(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
-
 } // namespace
 
-FrameWriter::FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder)
+std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
+
+FrameWriter::FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder,
+                         std::vector<XdmfFrame> earlier)
     : cloth_(cloth), fields_(std::move(fields)), folder_(std::move(folder)),
-      sides_(sides_of_owned_cells(cloth.mesh)) {}
+      sides_(sides_of_owned_cells(cloth.mesh)) {
+  cells_.frames = edges_.frames = std::move(earlier);
+}
 
 bool FrameWriter::wants(config::Field field) const {
   return std::find(fields_.begin(), fields_.end(), field) != fields_.end();
 }
 
 void FrameWriter::at_start(const State& state) {
+  const double begin = MPI_Wtime();
   write_mesh();
-  write_frame(state, 0);
+  seconds_ += MPI_Wtime() - begin;
+  if (cells_.frames.empty())
+    write_frame(state, 0);
+  else
+    write_xdmf();
 }
 
 void FrameWriter::after_frame(const State& state, Global frame) { write_frame(state, frame); }
@@ -195,7 +203,7 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1,
                        faces);
   };
-  write_whole(mesh.comm, folder_ / frame_file(frame), [&](H5Writer& file) {
+  write_whole(mesh.comm, folder_ / file_of(frame), [&](H5Writer& file) {
     file.attribute("time", state.time);
     file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
     if (wants(velocity))
@@ -203,10 +211,14 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     if (wants(strain)) write_edge_field(file, "strain", strains);
     if (wants(tension)) write_edge_field(file, "tension", tensions);
   });
-  for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, frame_file(frame)});
-  write_text_whole(mesh.comm, folder_ / "frames.xdmf", xdmf(cells_));
-  if (mesh.edges.total > 0) write_text_whole(mesh.comm, folder_ / "edges.xdmf", xdmf(edges_));
+  for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, file_of(frame)});
+  write_xdmf();
   seconds_ += MPI_Wtime() - begin;
+}
+
+void FrameWriter::write_xdmf() const {
+  write_text_whole(cloth_.mesh.comm, folder_ / "frames.xdmf", xdmf(cells_));
+  if (cloth_.mesh.edges.total > 0) write_text_whole(cloth_.mesh.comm, folder_ / "edges.xdmf", xdmf(edges_));
 }
 
 } // namespace taut

@@ -11,8 +11,13 @@ namespace taut {
 /// after every frame.
 class FrameWriter : public Observer {
 public:
-  /// `cloth` must outlive the writer; `folder` exists. Collective.
-  FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder);
+  /// `cloth` must outlive the writer; `folder` exists. `earlier` are the frames a resumed run has in it
+  /// already, from the start on; none: the start is written too. Collective.
+  FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder,
+              std::vector<XdmfFrame> earlier = {});
+
+  /// Relative to the folder.
+  static std::string file_of(Global frame);
 
   void at_start(const State& state) override;
   void after_frame(const State& state, Global frame) override;
@@ -23,6 +28,7 @@ public:
 private:
   void write_mesh();
   void write_frame(const State& state, Global frame);
+  void write_xdmf() const;
   void describe(bool has_mixed_cells);
   bool wants(config::Field field) const;
 

@@ -48,6 +48,8 @@ public:
   virtual void after_step(const State&, const StepRecord&) {}
   /// After the last step of frame `frame` (from 1), a frame being 1 / frame_rate of simulated time.
   virtual void after_frame(const State&, Global /*frame*/) {}
+  /// When everybody has seen a step, and the frame if it ended one: the run may be cut here.
+  virtual void between_steps(const State&) {}
 };
 
 } // namespace taut

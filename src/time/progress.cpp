@@ -46,7 +46,7 @@ void Progress::draw_bar(const State& state) const {
 }
 
 double Progress::seconds_left(const State& state) const {
-  return (MPI_Wtime() - began_) * (end_time_ - state.time) / state.time;
+  return (MPI_Wtime() - began_) * (end_time_ - state.time) / (state.time - start_time_);
 }
 
 std::string in_words(double seconds) {

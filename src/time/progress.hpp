@@ -15,6 +15,7 @@ class Progress : public Observer {
 public:
   Progress(MPI_Comm comm, ProgressStyle style, Global frames, double end_time);
 
+  void at_start(const State& state) override { start_time_ = state.time; }
   void after_step(const State& state, const StepRecord& record) override;
   void after_frame(const State& state, Global frame) override;
 
@@ -26,6 +27,7 @@ private:
   ProgressStyle style_;
   Global frames_;
   double end_time_;
+  double start_time_ = 0; ///< s, simulated
   double began_, frame_began_;
   struct {
     int steps = 0, rejected = 0, iterations = 0, linear_iterations = 0, velocity_iterations = 0;

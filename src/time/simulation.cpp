@@ -68,23 +68,29 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
       start_depth_(lowest(cloth_, state_.positions, down_)) {}
 
-Outcome Simulation::run(std::span<Observer* const> observers) {
-  Outcome outcome;
+void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
+  state_ = std::move(state);
+  step_size_.recall(steps);
+  rejected_steps_ = rejected_steps;
+}
+
+Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop) {
   for (Observer* o : observers) o->at_start(state_);
   int rejected = 0;    // attempts since the last accepted step
   PhaseSeconds wasted; // on them
-  for (Global frame = 1; frame <= step_size_.frames();) {
+  for (Global frame = step_size_.frame_after(state_.time); frame <= step_size_.frames();) {
+    if (rejected == 0 && stop())
+      return {Ending::interrupted, fmt::format("stopped by a signal at t = {:.6g} s", state_.time)};
     const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
     auto [record, failure] = attempt(dt);
     if (!failure.empty()) {
-      ++outcome.rejected_steps;
+      ++rejected_steps_;
       ++rejected;
       wasted += record.seconds;
       step_size_.rejected(dt);
       if (!step_size_.exhausted()) continue;
-      outcome.reason = fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}",
-                                   state_.time, dt, failure);
-      return outcome;
+      return {Ending::failed, fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}",
+                                          state_.time, dt, failure)};
     }
     step_size_.accepted();
     accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt);
@@ -92,15 +98,18 @@ Outcome Simulation::run(std::span<Observer* const> observers) {
     record.seconds += std::exchange(wasted, {});
     measure(record);
     for (Observer* o : observers) o->after_step(state_, record);
-    if (!ends_frame) continue;
-    for (Observer* o : observers) o->after_frame(state_, frame);
-    ++frame;
+    if (ends_frame) {
+      for (Observer* o : observers) o->after_frame(state_, frame);
+      ++frame;
+    }
+    for (Observer* o : observers) o->between_steps(state_);
   }
-  outcome.completed = true;
-  return outcome;
+  return {};
 }
 
-void Simulation::rehearse() { attempt(step_size_.choose(state_.time, 1).dt); }
+void Simulation::rehearse() {
+  attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
+}
 
 /// Proposes the state after `dt` in `candidate_` and `end_positions_`; the present state stays as it is.
 Simulation::Attempt Simulation::attempt(double dt) {

@@ -4,12 +4,17 @@
 #include "src/time/observer.hpp"
 #include "src/time/step_size.hpp"
 
+#include <functional>
+
 namespace taut {
 
+enum class Ending { completed, interrupted, failed };
+
 struct Outcome {
-  bool completed = false;
-  std::string reason; ///< why not
-  Global rejected_steps = 0;
+  Ending ending = Ending::completed;
+  std::string reason; ///< why it is not completed
+
+  bool completed() const { return ending == Ending::completed; }
 };
 
 /// A case in motion: prediction by implicit Euler, then the filters, then acceptance by measurement.
@@ -18,8 +23,12 @@ public:
   /// Sets everything up; throws InputError for what is wrong with the case. Collective.
   Simulation(MPI_Comm comm, const Case& input);
 
-  /// Until the end time, or until a step would have to be smaller than `time.min_step`. Collective.
-  Outcome run(std::span<Observer* const> observers);
+  /// From the present state until the end time, until a step would have to be smaller than `time.min_step`,
+  /// or until `stop`, asked between steps, says so on all ranks. Collective.
+  Outcome run(std::span<Observer* const> observers, const std::function<bool()>& stop = never);
+
+  /// Takes the place of another simulation of this case, between two of its steps. `state`: ghosts current.
+  void go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps);
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Collective.
@@ -30,12 +39,14 @@ public:
   const Pins& pins() const { return pins_; }
   const Forces& forces() const { return forces_; }
   const StepSize& step_size() const { return step_size_; }
+  Global rejected_steps() const { return rejected_steps_; }
 
 private:
   struct Attempt {
     StepRecord record;
     std::string failure; ///< empty if the step can be accepted
   };
+  static bool never() { return false; }
   Attempt attempt(double dt);
   void accept(double time);
   void measure(StepRecord& record) const;
@@ -51,6 +62,7 @@ private:
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
   ImplicitEuler integrator_;
   StepSize step_size_;
+  Global rejected_steps_ = 0;
   Candidate candidate_;
   std::vector<Vec3> end_positions_;
   std::vector<char> prescribed_;

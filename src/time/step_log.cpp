@@ -1,36 +1,112 @@
 #include "src/time/step_log.hpp"
 
-#include <fmt/format.h>
+#include "io/whole_file.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <sstream>
 
 namespace taut {
 
-StepLog::StepLog(MPI_Comm comm, const std::filesystem::path& file,
-                 const std::vector<std::string>& potentials) {
+namespace {
+
+using Row = std::vector<std::string>;
+
+Row columns_for(const std::vector<std::string>& potentials) {
+  Row columns{"step",
+              "time_s",
+              "dt_s",
+              "rejected",
+              "strain_max",
+              "strain_rms",
+              "depth_m",
+              "projection_iterations",
+              "projection_ksp_iterations",
+              "velocity_ksp_iterations",
+              "contacts",
+              "kinetic_J"};
+  for (const std::string& p : potentials) columns.push_back(p + "_J");
+  columns.insert(columns.end(), {"velocity_s", "projection_s", "contact_s"});
+  return columns;
+}
+
+Row split(const std::string& line) {
+  Row cells{""};
+  for (const char c : line) {
+    if (c == ',')
+      cells.emplace_back();
+    else
+      cells.back() += c;
+  }
+  return cells;
+}
+
+/// The next row that is whole, or an empty one: a run that was cut off may have left half a row at the end.
+Row next_row(std::istream& in) {
+  std::string line;
+  if (!std::getline(in, line) || in.eof()) return {};
+  return split(line);
+}
+
+/// The rows up to `last_step` as text, their cells in the order of `columns`; a column the file does not have
+/// stays empty.
+std::string rows_so_far(std::istream& in, const Row& columns, Global last_step) {
+  const Row header = next_row(in);
+  std::string text;
+  for (Row row = next_row(in); !row.empty(); row = next_row(in)) {
+    if (row.size() != header.size() || std::atoll(row[0].c_str()) > last_step) continue;
+    Row cells;
+    for (const std::string& c : columns) {
+      const auto place = std::find(header.begin(), header.end(), c);
+      cells.push_back(place == header.end() ? "" : row[place - header.begin()]);
+    }
+    text += fmt::format("{}\n", fmt::join(cells, ","));
+  }
+  return text;
+}
+
+std::string cannot_be_written(const std::filesystem::path& file) {
+  return fmt::format(
+      "{}: cannot be written: {}; check that the folder exists, may be written to and has room",
+      file.string(), std::strerror(errno));
+}
+
+} // namespace
+
+StepLog::StepLog(MPI_Comm comm, std::filesystem::path file, const std::vector<std::string>& potentials,
+                 Global last_step)
+    : comm_(comm), file_(std::move(file)) {
+  std::string text;
+  if (rank_of(comm) == 0) {
+    const Row columns = columns_for(potentials);
+    text = fmt::format("{}\n", fmt::join(columns, ","));
+    std::ifstream in(file_);
+    if (last_step > 0) text += rows_so_far(in, columns, last_step);
+  }
+  write_text_whole(comm, file_, text);
   broadcast(comm, [&] {
-    out_.open(file);
-    if (!out_)
-      throw InputError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+    out_.open(file_, std::ios::app);
+    if (!out_) throw InputError(cannot_be_written(file_));
     return std::string();
   });
-  if (!out_.is_open()) return;
-  out_ << "step,time_s,dt_s,rejected,strain_max,strain_rms,depth_m,projection_iterations,projection_ksp_"
-          "iterations,velocity_ksp_iterations,contacts,kinetic_J";
-  for (const std::string& p : potentials) out_ << ',' << p << "_J";
-  out_ << ",velocity_s,projection_s,contact_s\n";
 }
 
 void StepLog::after_step(const State& state, const StepRecord& r) {
-  if (!out_.is_open()) return;
-  out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{},{:.9g}", state.step, state.time,
-                      r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations,
-                      r.linear_iterations, r.velocity_iterations, r.contacts, r.energies.kinetic);
-  for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
-  out_ << fmt::format(",{:.4g},{:.4g},{:.4g}\n", r.seconds.velocity, r.seconds.projection, r.seconds.contact);
+  std::optional<std::string> fault;
+  if (out_.is_open()) {
+    out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{},{:.9g}", state.step, state.time,
+                        r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations,
+                        r.linear_iterations, r.velocity_iterations, r.contacts, r.energies.kinetic);
+    for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
+    out_ << fmt::format(",{:.4g},{:.4g},{:.4g}\n", r.seconds.velocity, r.seconds.projection,
+                        r.seconds.contact);
+    if (!out_.flush()) fault = cannot_be_written(file_);
+  }
+  agree(comm_, fault);
 }
-
-void StepLog::after_frame(const State&, Global) { out_.flush(); }
 
 } // namespace taut

@@ -18,25 +18,36 @@ double StepSize::frame_time(Global frame) const {
   return std::min(double(frame) / time_.frame_rate, time_.end);
 }
 
+Global StepSize::frame_after(double time) const {
+  auto frame = std::max<Global>(0, Global(std::floor(time * time_.frame_rate)) - 1);
+  while (frame <= frames() && frame_time(frame) <= time) ++frame;
+  return frame;
+}
+
 StepSize::Choice StepSize::choose(double now, Global frame) const {
   const double left = frame_time(frame) - now;
-  const double steps = std::max(1.0, std::ceil(left / step_ * (1 - round_off)));
+  const double steps = std::max(1.0, std::ceil(left / memory_.step * (1 - round_off)));
   return {left / steps, steps == 1.0};
 }
 
 void StepSize::accepted() {
-  grew_ = false;
-  if (step_ >= time_.max_step || ++successes_ < patience_) return;
-  step_ = std::min(2 * step_, time_.max_step);
-  successes_ = 0;
-  grew_ = true;
+  memory_.grew = false;
+  if (memory_.step >= time_.max_step || ++memory_.successes < memory_.patience) return;
+  memory_.step = std::min(2 * memory_.step, time_.max_step);
+  memory_.successes = 0;
+  memory_.grew = true;
 }
 
 void StepSize::rejected(double dt) {
-  if (grew_) patience_ = std::min(2 * patience_, longest_patience);
-  grew_ = false;
-  successes_ = 0;
-  step_ = dt / 2;
+  if (memory_.grew) memory_.patience = std::min(2 * memory_.patience, longest_patience);
+  memory_.grew = false;
+  memory_.successes = 0;
+  memory_.step = dt / 2;
+}
+
+void StepSize::recall(const Memory& memory) {
+  memory_ = memory;
+  memory_.step = std::min(memory_.step, time_.max_step);
 }
 
 } // namespace taut

@@ -8,10 +8,11 @@ namespace taut {
 /// failed, wait longer before the next].
 class StepSize {
 public:
-  explicit StepSize(const config::Time& time) : time_(time), step_(time.max_step) {}
+  explicit StepSize(const config::Time& time) : time_(time), memory_{.step = time.max_step} {}
 
   Global frames() const; ///< of the whole run, the start not counted
   double frame_time(Global frame) const;
+  Global frame_after(double time) const; ///< the first that ends later than `time`
 
   struct Choice {
     double dt;       ///< s
@@ -22,14 +23,21 @@ public:
 
   void accepted();
   void rejected(double dt);
-  bool exhausted() const { return step_ < time_.min_step; }
+  bool exhausted() const { return memory_.step < time_.min_step; }
+
+  /// What it has learnt from the steps so far.
+  struct Memory {
+    double step = 0;   ///< s, the longest to try
+    int successes = 0; ///< accepted steps since `step` changed
+    int patience = 4;  ///< accepted steps before it doubles
+    bool grew = false; ///< the last step was accepted and doubled it
+  };
+  const Memory& memory() const { return memory_; }
+  void recall(const Memory& memory); ///< goes on from there, within the present `time.max_step`
 
 private:
   config::Time time_;
-  double step_;
-  int successes_ = 0;
-  int patience_ = 4;
-  bool grew_ = false;
+  Memory memory_;
 };
 
 } // namespace taut

@@ -23,88 +23,123 @@ const char* method_name(config::InextensibilityMethod method) {
   return config::words_of(method)[std::size_t(method)].data();
 }
 
-} // namespace
-
-Summary::Summary(const Simulation& simulation, const Case& input, double setup_seconds)
-    : simulation_(simulation), input_(input), setup_seconds_(setup_seconds), began_(MPI_Wtime()),
-      histogram_(bins + 1, 0.0) {}
-
-void Summary::after_step(const State& state, const StepRecord& r) {
-  ++steps_;
-  iterations_ += r.iterations;
-  linear_iterations_ += r.linear_iterations;
-  velocity_iterations_ += r.velocity_iterations;
-  iterations_max_ = std::max(iterations_max_, r.iterations);
-  contacts_max_ = std::max(contacts_max_, r.contacts);
-  strain_max_ = std::max(strain_max_, r.strain.max);
-  strain_squares_ += r.strain.rms * r.strain.rms;
-  seconds_ += r.seconds;
-  const Cloth& cloth = simulation_.cloth();
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
-    const double bin =
-        std::ceil(std::abs(strain_of(cloth, state.positions, e)) / input_.inextensibility.strain * bins);
-    ++histogram_[bin < bins ? int(bin) : bins];
-  }
+/// The histogram under another limit: each bin goes where its upper end lies.
+std::vector<double> rescaled(const std::vector<double>& histogram, double factor) {
+  std::vector<double> result(bins + 1, 0.0);
+  for (std::size_t b = 0; b < histogram.size(); ++b)
+    result[std::min<std::size_t>(bins, std::size_t(std::ceil(double(b) * factor)))] += histogram[b];
+  return result;
 }
 
 /// The strain that `fraction` of all edges in all steps do not exceed, to 1/1000 of the limit; no more than
-/// the maximum.
-double Summary::quantile(double fraction) const {
-  std::vector<double> count(histogram_);
-  sum_in_place(simulation_.cloth().mesh.comm, count);
+/// the maximum. Collective.
+double quantile(MPI_Comm comm, const Totals& totals, double fraction) {
+  std::vector<double> count(totals.histogram);
+  sum_in_place(comm, count);
   double all = 0, below = 0;
   for (const double c : count) all += c;
   for (int b = 0; b < bins; ++b) {
     below += count[b];
-    if (below >= fraction * all) return std::min(strain_max_, input_.inextensibility.strain * b / bins);
+    if (below >= fraction * all) return std::min(totals.strain_max, totals.strain_limit * b / bins);
   }
-  return strain_max_;
+  return totals.strain_max;
 }
 
-std::string Summary::text(const Outcome& outcome, Global frames, Global intersections,
-                          double output_seconds) const {
+const char* status_of(Ending ending) {
+  switch (ending) {
+  case Ending::completed:
+    return "completed";
+  case Ending::interrupted:
+    return "interrupted";
+  case Ending::failed:
+    return "failed";
+  }
+  return "";
+}
+
+} // namespace
+
+Summary::Summary(const Simulation& simulation, const Case& input, const IntersectionCheck& intersections,
+                 Totals earlier, double began)
+    : simulation_(simulation), input_(input), intersections_(intersections), totals_(std::move(earlier)),
+      began_(began) {
+  const double limit = input.inextensibility.strain;
+  totals_.setup_seconds += MPI_Wtime() - began;
+  totals_.histogram =
+      rescaled(totals_.histogram, totals_.strain_limit == limit ? 1.0 : totals_.strain_limit / limit);
+  totals_.strain_limit = limit;
+}
+
+void Summary::after_step(const State& state, const StepRecord& r) {
+  Totals& t = totals_;
+  ++t.steps;
+  t.iterations += r.iterations;
+  t.linear_iterations += r.linear_iterations;
+  t.velocity_iterations += r.velocity_iterations;
+  t.iterations_max = std::max(t.iterations_max, r.iterations);
+  t.contacts_max = std::max(t.contacts_max, r.contacts);
+  t.strain_max = std::max(t.strain_max, r.strain.max);
+  t.strain_squares += r.strain.rms * r.strain.rms;
+  t.phases += r.seconds;
+  const Cloth& cloth = simulation_.cloth();
+  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
+    const double bin = std::ceil(std::abs(strain_of(cloth, state.positions, e)) / t.strain_limit * bins);
+    ++t.histogram[bin < bins ? int(bin) : bins];
+  }
+}
+
+Totals Summary::totals(double output_seconds) const {
+  Totals totals = totals_;
+  totals.intersections += intersections_.count();
+  totals.seconds += MPI_Wtime() - began_;
+  totals.output_seconds += output_seconds;
+  return totals;
+}
+
+std::string Summary::text(const Outcome& outcome, Global frames, double output_seconds) const {
   using Json = nlohmann::ordered_json;
   const DistributedMesh& mesh = simulation_.cloth().mesh;
-  const auto a_step = [this](double total) { return steps_ > 0 ? total / double(steps_) : 0.0; };
+  const Totals all = totals(output_seconds);
+  const auto a_step = [&](double total) { return all.steps > 0 ? total / double(all.steps) : 0.0; };
   const double memory = peak_memory(), memory_max = max_over(mesh.comm, memory),
                memory_sum = sum_over(mesh.comm, memory);
-  const Json json = {
-      {"status", outcome.completed ? "completed" : "failed"},
-      {"reason", outcome.reason},
-      {"case", input_.name},
-      {"version", TAUT_VERSION},
-      {"ranks", size_of(mesh.comm)},
-      {"vertices", mesh.vertices.total},
-      {"faces", mesh.total_cells},
-      {"constraints", mesh.edges.total},
-      {"frames", frames},
-      {"steps", steps_},
-      {"rejected_steps", outcome.rejected_steps},
-      {"end_time", simulation_.state().time},
-      {"strain",
-       {{"limit", input_.inextensibility.strain},
-        {"max", strain_max_},
-        {"rms", std::sqrt(a_step(strain_squares_))},
-        {"p999", quantile(0.999)}}},
-      {"projection",
-       {{"method", method_name(input_.inextensibility.method)},
-        {"iterations_mean", a_step(double(iterations_))},
-        {"iterations_max", iterations_max_},
-        {"ksp_iterations_mean", iterations_ > 0 ? double(linear_iterations_) / double(iterations_) : 0.0}}},
-      {"velocity", {{"ksp_iterations_mean", a_step(double(velocity_iterations_))}}},
-      {"contact", {{"pairs_max", contacts_max_}, {"intersections", intersections}}},
-      {"partition",
-       {{"edge_cut", mesh.report.edge_cut},
-        {"imbalance", mesh.report.imbalance},
-        {"ghosts_max", mesh.report.ghosts_max}}},
-      {"seconds",
-       {{"total", setup_seconds_ + MPI_Wtime() - began_},
-        {"setup", setup_seconds_},
-        {"velocity", seconds_.velocity},
-        {"projection", seconds_.projection},
-        {"contact", seconds_.contact},
-        {"output", output_seconds}}},
-      {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
+  const Json json = {{"status", status_of(outcome.ending)},
+                     {"reason", outcome.reason},
+                     {"case", input_.name},
+                     {"version", TAUT_VERSION},
+                     {"ranks", size_of(mesh.comm)},
+                     {"vertices", mesh.vertices.total},
+                     {"faces", mesh.total_cells},
+                     {"constraints", mesh.edges.total},
+                     {"frames", frames},
+                     {"steps", all.steps},
+                     {"rejected_steps", simulation_.rejected_steps()},
+                     {"end_time", simulation_.state().time},
+                     {"strain",
+                      {{"limit", input_.inextensibility.strain},
+                       {"max", all.strain_max},
+                       {"rms", std::sqrt(a_step(all.strain_squares))},
+                       {"p999", quantile(mesh.comm, all, 0.999)}}},
+                     {"projection",
+                      {{"method", method_name(input_.inextensibility.method)},
+                       {"iterations_mean", a_step(double(all.iterations))},
+                       {"iterations_max", all.iterations_max},
+                       {"ksp_iterations_mean",
+                        all.iterations > 0 ? double(all.linear_iterations) / double(all.iterations) : 0.0}}},
+                     {"velocity", {{"ksp_iterations_mean", a_step(double(all.velocity_iterations))}}},
+                     {"contact", {{"pairs_max", all.contacts_max}, {"intersections", all.intersections}}},
+                     {"partition",
+                      {{"edge_cut", mesh.report.edge_cut},
+                       {"imbalance", mesh.report.imbalance},
+                       {"ghosts_max", mesh.report.ghosts_max}}},
+                     {"seconds",
+                      {{"total", all.seconds},
+                       {"setup", all.setup_seconds},
+                       {"velocity", all.phases.velocity},
+                       {"projection", all.phases.projection},
+                       {"contact", all.phases.contact},
+                       {"output", all.output_seconds}}},
+                     {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";
 }
 

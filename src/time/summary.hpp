@@ -1,32 +1,32 @@
 #pragma once
+#include "src/time/intersection_check.hpp"
 #include "src/time/simulation.hpp"
+#include "src/time/totals.hpp"
 
 namespace taut {
 
 /// Collects what `summary.json` tells about a run: the verdict, and the figures behind it.
 class Summary : public Observer {
 public:
-  /// `setup_seconds`: wall-clock time spent before the run. `simulation` must outlive the summary.
-  Summary(const Simulation& simulation, const Case& input, double setup_seconds);
+  /// Adds to what the run had before it was resumed. `began`: MPI_Wtime() when this program did. All
+  /// references must outlive the summary.
+  Summary(const Simulation& simulation, const Case& input, const IntersectionCheck& intersections,
+          Totals earlier, double began);
 
   void after_step(const State& state, const StepRecord& record) override;
 
+  /// Until now; `output_seconds` were spent on output since the program began.
+  Totals totals(double output_seconds) const;
+
   /// The text of `summary.json`, the same on every rank. Collective.
-  std::string text(const Outcome& outcome, Global frames, Global intersections, double output_seconds) const;
+  std::string text(const Outcome& outcome, Global frames, double output_seconds) const;
 
 private:
-  double quantile(double fraction) const;
-
   const Simulation& simulation_;
   const Case& input_;
-  double setup_seconds_, began_;
-  Global steps_ = 0, iterations_ = 0, linear_iterations_ = 0, velocity_iterations_ = 0;
-  int iterations_max_ = 0;
-  Global contacts_max_ = 0;
-  double strain_max_ = 0, strain_squares_ = 0;
-  std::vector<double>
-      histogram_; ///< of this rank's |strain| over all accepted steps, in bins of limit / 1000
-  PhaseSeconds seconds_;
+  const IntersectionCheck& intersections_;
+  Totals totals_;
+  double began_;
 };
 
 } // namespace taut

@@ -1,0 +1,175 @@
+#include "io/hdf5.hpp"
+#include "src/command/run_folder.hpp"
+#include "src/command/simulate.hpp"
+#include "src/config/changes.hpp"
+#include "src/time/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+namespace taut::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a resumed run cannot change: the key and all below it, "*" being any entry of a list.
+struct FixedKey {
+  const char* key;
+  const char* why;
+};
+
+constexpr std::array fixed_keys{
+    FixedKey{"cloth.grid", "the state belongs to its vertices"},
+    FixedKey{"cloth.line", "the state belongs to its vertices"},
+    FixedKey{"cloth.scale", "the state belongs to the mesh as it was scaled"},
+    FixedKey{"cloth.start", "the run has left its start already"},
+    FixedKey{"pins.*.vertices", "a vertex pinned on the way would jump back to its start"},
+    FixedKey{"pins.*.box", "a vertex pinned on the way would jump back to its start"},
+    FixedKey{"pins.*.near", "a vertex pinned on the way would jump back to its start"},
+    FixedKey{"time.frame_rate", "frames are numbered by it"},
+};
+
+/// "pins.0.box.min" is below "pins.*.box".
+bool is_below(const std::string& key, const std::string& fixed) {
+  std::istringstream in(key), wanted(fixed);
+  for (std::string part, pattern; std::getline(wanted, pattern, '.');)
+    if (!std::getline(in, part, '.') || (pattern != "*" && pattern != part)) return false;
+  return true;
+}
+
+std::string shortened(const std::string& text) {
+  constexpr std::size_t longest = 60;
+  return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
+/// Says what is new since the checkpoint; throws for what must stay. A mesh may lie elsewhere now.
+void tell_changes(MPI_Comm comm, const Case& before, const Case& after) {
+  for (const KeyChange& c : changes_between(before, after)) {
+    if (c.key == "cloth.mesh" || c.key == "cloth.start.shape") continue;
+    for (const FixedKey& fixed : fixed_keys)
+      if (is_below(c.key, fixed.key))
+        throw InputError(fmt::format("{}: {} was {} and is {} now, but a resumed run cannot change it: {}; "
+                                     "leave it as it was, or start a new run",
+                                     after.file.string(), c.key, shortened(c.before), shortened(c.after),
+                                     fixed.why));
+    if (rank_of(comm) == 0)
+      fmt::print("changed: {}: {} -> {}\n", c.key, shortened(c.before), shortened(c.after));
+  }
+}
+
+/// The mesh of the run, as it was written when it began, must be the one that is there now.
+void check_mesh(const Cloth& cloth, const fs::path& path) {
+  const DistributedMesh& mesh = cloth.mesh;
+  const H5Reader file(mesh.comm, path);
+  const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab();
+  const auto differs = [&](const char* dataset, const std::string& what) {
+    return InputError(fmt::format("{}: {}: the mesh of the run {} than the mesh of the case has now; put the "
+                                  "mesh back as it was, or start a new run",
+                                  path.string(), dataset, what));
+  };
+  if (file.rows("/rest_positions") != vertices.total)
+    throw differs("/rest_positions", "has another number of vertices");
+  if (file.rows("/constraints/rest_lengths") != edges.total)
+    throw differs("/constraints/rest_lengths", "has another number of edges");
+  const auto then = file.read_vectors("/rest_positions", vertices);
+  const auto now = mesh.vertex_order.to_slab<Vec3>(mesh.rest_positions);
+  bool moved = false;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    moved |= (then[i] - now[i]).norm() > 1e-9 * (1 + now[i].norm());
+  if (any_of(mesh.comm, moved)) throw differs("/rest_positions", "has vertices in other places");
+}
+
+/// The checkpoints to try, in turn.
+std::vector<fs::path> candidates(MPI_Comm comm, const ResumeOptions& options) {
+  if (!options.checkpoint.empty()) return {options.checkpoint};
+  const std::string names = broadcast(comm, [&] {
+    std::string lines;
+    for (const fs::path& file : checkpoints_in(options.folder)) lines += file.string() + "\n";
+    return lines;
+  });
+  std::vector<fs::path> files;
+  std::istringstream in(names);
+  for (std::string line; std::getline(in, line);) files.emplace_back(line);
+  return files;
+}
+
+/// The case of the latest checkpoint that has one to read.
+std::optional<Case> case_before(MPI_Comm comm, const std::vector<fs::path>& files, const Case& now) {
+  for (const fs::path& file : files) {
+    try {
+      return read_case(read_case_of_checkpoint(comm, file), now.file.string());
+    } catch (const InputError&) { // on all ranks alike; `latest` will tell
+    }
+  }
+  return std::nullopt;
+}
+
+/// The latest checkpoint that can be read, with a word on those that cannot.
+Checkpoint latest(const DistributedMesh& mesh, const std::vector<fs::path>& files) {
+  for (std::size_t k = 0;; ++k) {
+    try {
+      return read_checkpoint(files[k], mesh);
+    } catch (const InputError& e) { // on all ranks alike
+      if (k + 1 == files.size()) throw;
+      if (rank_of(mesh.comm) == 0)
+        fmt::print(stderr, "taut: {}; going back to {}\n", e.what(), files[k + 1].string());
+    }
+  }
+}
+
+/// Puts the simulation where the latest sound checkpoint is; the totals of the run until then.
+Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  Checkpoint checkpoint = latest(mesh, files);
+  simulation.go_on_from(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
+  if (rank_of(mesh.comm) == 0)
+    fmt::print("resuming at t = {:.6g} s, after step {}\n", simulation.state().time, simulation.state().step);
+  return std::move(checkpoint.totals);
+}
+
+void check_folder(MPI_Comm comm, const fs::path& folder) {
+  broadcast(comm, [&] {
+    if (!fs::is_regular_file(folder / "case.yaml"))
+      throw InputError(fmt::format("{}: holds no run (no case.yaml); start one with taut run CASE --out {}",
+                                   folder.string(), folder.string()));
+    return std::string();
+  });
+}
+
+} // namespace
+
+int resume(MPI_Comm comm, const ResumeOptions& options) {
+  const double began = MPI_Wtime();
+  const fs::path& out = options.folder;
+  check_folder(comm, out);
+  const Case input = load_case(comm, {out / "case.yaml", options.overrides, options.has_petsc_options});
+  const std::vector<fs::path> checkpoints = candidates(comm, options);
+  if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
+  Simulation simulation(comm, input);
+  Totals totals;
+  if (!checkpoints.empty()) {
+    check_mesh(simulation.cloth(), out / "mesh.h5");
+    totals = take_up(simulation, checkpoints);
+  } else if (rank_of(comm) == 0) {
+    fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
+  }
+  const State& state = simulation.state();
+  const Global next_frame = simulation.step_size().frame_after(state.time);
+  if (next_frame > simulation.step_size().frames()) {
+    if (rank_of(comm) == 0)
+      fmt::print("{}: the run is complete: it has reached its end at {:g} s; go on further with --set "
+                 "time.end=...\n",
+                 out.string(), state.time);
+    return success;
+  }
+  if (options.has_petsc_options) try_petsc_options(simulation);
+  drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
+  announce(comm, simulation, input, out);
+  return simulate(comm, input, simulation, {out, options.progress, began, std::move(totals)});
+}
+
+} // namespace taut::command

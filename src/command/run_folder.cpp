@@ -1,0 +1,106 @@
+#include "src/command/run_folder.hpp"
+
+#include "src/time/checkpoint.hpp"
+#include "src/time/frame_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace taut::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array results{"mesh.h5", "frames.xdmf", "edges.xdmf", "steps.csv", "summary.json"};
+
+bool holds_run(const fs::path& out) {
+  return std::any_of(results.begin(), results.end(),
+                     [&](const char* file) { return fs::exists(out / file); }) ||
+         !checkpoints_in(out).empty();
+}
+
+bool is_frame(const fs::path& file) { return file.filename().string().starts_with("frame_"); }
+bool is_part(const fs::path& file) { return file.extension() == ".part"; }
+
+/// Removes the files of a folder for which `unwanted` holds.
+template<class Unwanted>
+void remove_files(const fs::path& folder, Unwanted&& unwanted) {
+  if (!fs::is_directory(folder)) return;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (unwanted(entry.path())) files.push_back(entry.path());
+  for (const fs::path& file : files) fs::remove(file);
+}
+
+/// Removes what a run wrote and nothing else.
+void remove_run(const fs::path& out) {
+  for (const char* file : results) fs::remove(out / file);
+  fs::remove(out / "case.yaml");
+  remove_files(out / "frames", is_frame);
+  for (const fs::path& file : checkpoints_in(out)) fs::remove(file);
+}
+
+/// Runs `change` on rank 0.
+template<class Change>
+void on_disk(MPI_Comm comm, const fs::path& out, const char* cure, Change&& change) {
+  broadcast(comm, [&] {
+    try {
+      change();
+    } catch (const fs::filesystem_error& e) {
+      throw InputError(fmt::format("{}: cannot be written: {}; {}", out.string(), e.code().message(), cure));
+    }
+    return std::string();
+  });
+}
+
+} // namespace
+
+void make_run_folder(MPI_Comm comm, const fs::path& out, const fs::path& case_file, ExistingRun existing) {
+  on_disk(comm, out, "choose another folder with --out", [&] {
+    if (fs::exists(out) && fs::equivalent(out, fs::absolute(case_file).parent_path()))
+      throw InputError(fmt::format(
+          "{}: the case file lies in this folder and would be replaced by the case as run; choose "
+          "another folder with --out",
+          out.string()));
+    if (holds_run(out)) {
+      if (existing == ExistingRun::refuse)
+        throw InputError(fmt::format("{}: this folder holds a run already; choose another with --out, go on "
+                                     "with it by taut resume, or give --overwrite to replace that run",
+                                     out.string()));
+      remove_run(out);
+    }
+    fs::create_directories(out / "frames");
+    fs::create_directories(out / "checkpoint");
+  });
+}
+
+void drop_after(MPI_Comm comm, const fs::path& out, Global step, Global next_frame) {
+  on_disk(comm, out, "the folder must be writable to go on in it", [&] {
+    fs::create_directories(out / "frames");
+    fs::create_directories(out / "checkpoint");
+    fs::remove(out / "summary.json");
+    remove_files(out, is_part);
+    const std::string first = fs::path(FrameWriter::file_of(next_frame)).filename().string();
+    remove_files(out / "frames",
+                 [&](const fs::path& f) { return is_frame(f) && f.filename().string() >= first; });
+    remove_files(out / "checkpoint",
+                 [&](const fs::path& f) { return is_part(f) || step_of_checkpoint(f) > step; });
+  });
+}
+
+std::vector<XdmfFrame> frames_before(MPI_Comm comm, const fs::path& out, Global next_frame,
+                                     const StepSize& step_size) {
+  const std::string there = broadcast(comm, [&] {
+    std::string flags;
+    for (Global k = 0; k < next_frame; ++k) flags += fs::exists(out / FrameWriter::file_of(k)) ? '1' : '0';
+    return flags;
+  });
+  std::vector<XdmfFrame> frames;
+  for (Global k = 0; k < next_frame; ++k)
+    if (there[k] == '1') frames.push_back({step_size.frame_time(k), FrameWriter::file_of(k)});
+  return frames;
+}
+
+} // namespace taut::command

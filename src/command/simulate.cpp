@@ -1,0 +1,98 @@
+#include "src/command/simulate.hpp"
+
+#include "io/whole_file.hpp"
+#include "src/command/run_folder.hpp"
+#include "src/time/checkpointer.hpp"
+#include "src/time/step_log.hpp"
+#include "src/time/stop_signal.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace taut::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The case as run, to be run again from anywhere.
+std::string case_as_run(Case input) {
+  std::vector<std::optional<fs::path>*> paths{&input.cloth.mesh, &input.cloth.start.shape};
+  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
+  for (auto* path : paths)
+    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
+  return write_case(input);
+}
+
+std::vector<std::string> potential_names(const Forces& forces) {
+  std::vector<std::string> names;
+  for (const auto& force : forces) names.emplace_back(force->name());
+  return names;
+}
+
+int exit_code(Ending ending) {
+  switch (ending) {
+  case Ending::completed:
+    return success;
+  case Ending::interrupted:
+    return interrupted;
+  case Ending::failed:
+    return step_failure;
+  }
+  return internal_error;
+}
+
+void tell_why(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
+  if (rank_of(comm) != 0 || outcome.completed()) return;
+  fmt::print(stderr, "taut: {}\n", outcome.reason);
+  if (outcome.ending == Ending::interrupted)
+    fmt::print(stderr, "taut: nothing is lost; go on with: taut resume {}\n", out.string());
+}
+
+} // namespace
+
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Course& course) {
+  const fs::path& out = course.out;
+  const StopSignal stop;
+  const State& state = simulation.state();
+  const StepSize& steps = simulation.step_size();
+  const std::string text = case_as_run(input);
+  write_text_whole(comm, out / "case.yaml", text);
+
+  auto earlier = state.step > 0 ? frames_before(comm, out, steps.frame_after(state.time), steps)
+                                : std::vector<XdmfFrame>{};
+  FrameWriter frames(simulation.cloth(), input.output.fields, out, std::move(earlier));
+  StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), state.step);
+  Progress progress(comm, course.progress, steps.frames(), input.time.end);
+  IntersectionCheck intersections(simulation.cloth(), input);
+  Summary summary(simulation, input, intersections, course.totals, course.began);
+  Checkpointer checkpoints(simulation, summary, frames, input.checkpoint, out, text);
+  std::vector<Observer*> observers{&frames, &log, &progress, &summary};
+  if (input.has_contact()) observers.push_back(&intersections);
+  observers.push_back(&checkpoints); // last: what it writes is what all others have seen
+  Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
+
+  checkpoints.write();
+  if (const Global found = summary.totals(0).intersections; outcome.completed() && found > 0)
+    outcome = {Ending::failed, fmt::format("{} intersections were found in the result; the first: {}", found,
+                                           intersections.first())};
+  write_text_whole(comm, out / "summary.json",
+                   summary.text(outcome, frames.frames(), checkpoints.output_seconds()));
+  tell_why(comm, outcome, out);
+  return exit_code(outcome.ending);
+}
+
+void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, const fs::path& out) {
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  if (rank_of(comm) != 0) return;
+  fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "
+             "imbalance {:.3f})\n"
+             "writing {}\n",
+             input.name, mesh.vertices.total, mesh.edges.total, simulation.pins().count(),
+             simulation.step_size().frames(), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
+             (out / "frames.xdmf").string());
+  std::fflush(stdout);
+}
+
+} // namespace taut::command

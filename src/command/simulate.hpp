@@ -1,0 +1,22 @@
+#pragma once
+#include "src/command/command.hpp"
+#include "src/time/totals.hpp"
+
+namespace taut::command {
+
+/// Where a run goes and what it has behind it.
+struct Course {
+  std::filesystem::path out; ///< the folder, ready for this run
+  ProgressStyle progress = ProgressStyle::lines;
+  double began = 0; ///< MPI_Wtime() when the program did
+  Totals totals;    ///< of the run so far
+};
+
+/// From the present state of `simulation` to the end, with all files of a run; the exit code. Collective.
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Course& course);
+
+/// Says on standard output what is about to run. Rank 0 speaks.
+void announce(MPI_Comm comm, const Simulation& simulation, const Case& input,
+              const std::filesystem::path& out);
+
+} // namespace taut::command

@@ -1,0 +1,183 @@
+#include "src/time/checkpoint.hpp"
+
+#include "io/hdf5.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Global format = 1;
+constexpr const char *format_name = "taut_checkpoint", *case_name = "case";
+
+/// Everything in a checkpoint, once, for writing and for reading.
+template<class C, class V>
+void visit_checkpoint(C& checkpoint, V& visit) {
+  visit(case_name, checkpoint.case_text);
+  visit("time", checkpoint.state.time);
+  visit("step", checkpoint.state.step);
+  visit("longest_step", checkpoint.step_size.step);
+  visit("successes", checkpoint.step_size.successes);
+  visit("patience", checkpoint.step_size.patience);
+  visit("grew", checkpoint.step_size.grew);
+  visit("rejected_steps", checkpoint.rejected_steps);
+  visit_totals(checkpoint.totals, visit);
+  visit_fields(checkpoint.state, visit);
+}
+
+class Writing {
+public:
+  Writing(H5Writer& file, const DistributedMesh& mesh) : file_(file), mesh_(mesh) {}
+
+  void operator()(const char* name, double value) { file_.attribute(name, value); }
+  void operator()(const char* name, Global value) { file_.attribute(name, value); }
+  void operator()(const char* name, int value) { file_.attribute(name, Global(value)); }
+  void operator()(const char* name, bool value) { file_.attribute(name, Global(value)); }
+  void operator()(const char* name, const std::string& value) { file_.attribute(name, value); }
+
+  void added_up(const char* name, std::vector<double> values) {
+    sum_in_place(mesh_.comm, values);
+    const auto total = Global(values.size()), mine = rank_of(mesh_.comm) == 0 ? total : 0;
+    file_.write<double>(name, std::span(values).first(mine), 1, {0, mine, total});
+  }
+  template<class T>
+  void on_vertices(const char* name, const std::vector<T>& field) {
+    write_field<T>(name, mesh_.vertex_order, field);
+  }
+  template<class T>
+  void on_edges(const char* name, const std::vector<T>& field) {
+    write_field<T>(name, mesh_.edge_order, field);
+  }
+
+private:
+  template<class T>
+  void write_field(const char* name, const OriginalOrder& order, const std::vector<T>& field) {
+    const std::vector<T> rows = order.to_slab<T>(field);
+    constexpr int columns = sizeof(T) / sizeof(double);
+    const auto* numbers = reinterpret_cast<const double*>(rows.data());
+    file_.write<double>(name, {numbers, rows.size() * columns}, columns, order.slab());
+  }
+
+  H5Writer& file_;
+  const DistributedMesh& mesh_;
+};
+
+class Reading {
+public:
+  Reading(const H5Reader& file, const DistributedMesh& mesh) : file_(file), mesh_(mesh) {}
+
+  void operator()(const char* name, double& value) { value = file_.attribute<double>(name); }
+  void operator()(const char* name, Global& value) { value = file_.attribute<Global>(name); }
+  void operator()(const char* name, int& value) { value = int(file_.attribute<Global>(name)); }
+  void operator()(const char* name, bool& value) { value = file_.attribute<Global>(name) != 0; }
+  void operator()(const char* name, std::string& value) { value = file_.attribute<std::string>(name); }
+
+  void added_up(const char* name, std::vector<double>& values) {
+    const Global total = file_.rows(name), mine = rank_of(mesh_.comm) == 0 ? total : 0;
+    values = read_rows<double>(name, {0, mine, total});
+    values.resize(total, 0.0);
+  }
+  template<class T>
+  void on_vertices(const char* name, std::vector<T>& field) {
+    read_field(name, mesh_.vertex_order, field, mesh_.vertices.size());
+    mesh_.vertex_halo.update(field);
+  }
+  template<class T>
+  void on_edges(const char* name, std::vector<T>& field) {
+    read_field(name, mesh_.edge_order, field, mesh_.edges.size());
+    mesh_.edge_halo.update(field);
+  }
+
+private:
+  template<class T>
+  std::vector<T> read_rows(const char* name, Slab rows) {
+    constexpr int columns = sizeof(T) / sizeof(double);
+    if (file_.columns(name) != columns) refuse(name, fmt::format("it does not have {} columns", columns));
+    const std::vector<double> numbers = file_.read<double>(name, rows);
+    const bool finite =
+        std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+    if (any_of(mesh_.comm, !finite)) refuse(name, "it holds a number that is not finite");
+    std::vector<T> values(rows.count);
+    std::copy(numbers.begin(), numbers.end(), reinterpret_cast<double*>(values.data()));
+    return values;
+  }
+  template<class T>
+  void read_field(const char* name, const OriginalOrder& order, std::vector<T>& field, Local size) {
+    const std::vector<T> rows = read_rows<T>(name, order.slab());
+    field.resize(size);
+    order.from_slab<T>(rows, field);
+  }
+  [[noreturn]] void refuse(const char* name, const std::string& reason) const {
+    throw InputError(fmt::format("{}: {}: {}; this is no sound checkpoint of the run", file_.path().string(),
+                                 name, reason));
+  }
+
+  const H5Reader& file_;
+  const DistributedMesh& mesh_;
+};
+
+void check_format(const H5Reader& file) {
+  if (const Global found = file.attribute<Global>(format_name); found != format)
+    throw InputError(fmt::format("{}: a checkpoint of format {}, this taut reads format {}; resume with the "
+                                 "taut that wrote it",
+                                 file.path().string(), found, format));
+}
+
+} // namespace
+
+void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const Checkpoint& checkpoint) {
+  write_whole(mesh.comm, path, [&](H5Writer& file) {
+    file.attribute(format_name, format);
+    Writing writing(file, mesh);
+    visit_checkpoint(checkpoint, writing);
+  });
+}
+
+Checkpoint read_checkpoint(const fs::path& path, const DistributedMesh& mesh) {
+  const H5Reader file(mesh.comm, path);
+  check_format(file);
+  Checkpoint checkpoint;
+  Reading reading(file, mesh);
+  visit_checkpoint(checkpoint, reading);
+  return checkpoint;
+}
+
+std::string read_case_of_checkpoint(MPI_Comm comm, const fs::path& path) {
+  const H5Reader file(comm, path);
+  check_format(file);
+  return file.attribute<std::string>(case_name);
+}
+
+fs::path checkpoint_file(const fs::path& run_folder, Global step) {
+  return run_folder / "checkpoint" / fmt::format("step_{:09}.h5", step);
+}
+
+Global step_of_checkpoint(const fs::path& file) {
+  const std::string name = file.stem().string();
+  constexpr std::string_view prefix = "step_";
+  Global step = -1;
+  if (file.extension() != ".h5" || !name.starts_with(prefix)) return -1;
+  const char* const end = name.data() + name.size();
+  const auto [stop, error] = std::from_chars(name.data() + prefix.size(), end, step);
+  return error == std::errc{} && stop == end ? step : -1;
+}
+
+std::vector<fs::path> checkpoints_in(const fs::path& run_folder) {
+  std::vector<fs::path> files;
+  std::error_code none; // no such folder: no checkpoints
+  for (const auto& entry : fs::directory_iterator(run_folder / "checkpoint", none))
+    if (step_of_checkpoint(entry.path()) >= 0) files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return step_of_checkpoint(a) > step_of_checkpoint(b);
+  });
+  return files;
+}
+
+} // namespace taut

@@ -1,0 +1,59 @@
+#include "src/time/checkpointer.hpp"
+
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+/// How often `interval` has passed by `time`; a step that ends on a multiple up to round-off has reached it.
+double intervals(double time, double interval) { return std::floor(time / interval * (1 + 1e-9)); }
+
+} // namespace
+
+Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, const FrameWriter& frames,
+                           config::Checkpoint when, std::filesystem::path run_folder, std::string case_text)
+    : simulation_(simulation), summary_(summary), frames_(frames), when_(when),
+      folder_(std::move(run_folder)), case_text_(std::move(case_text)) {}
+
+void Checkpointer::at_start(const State& state) {
+  last_time_ = state.time;
+  last_clock_ = MPI_Wtime();
+}
+
+void Checkpointer::between_steps(const State& state) {
+  if (is_due(state)) write();
+}
+
+/// The same on every rank, though their clocks may differ.
+bool Checkpointer::is_due(const State& state) const {
+  if (when_.every_steps > 0 && state.step % when_.every_steps == 0) return true;
+  if (when_.every_time > 0 &&
+      intervals(state.time, when_.every_time) > intervals(last_time_, when_.every_time))
+    return true;
+  return when_.every_wall > 0 &&
+         any_of(simulation_.cloth().mesh.comm, MPI_Wtime() - last_clock_ >= when_.every_wall);
+}
+
+void Checkpointer::write() {
+  const State& state = simulation_.state();
+  if (written_ == state.step) return;
+  const double begin = MPI_Wtime();
+  write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
+                   {case_text_, state, simulation_.step_size().memory(), simulation_.rejected_steps(),
+                    summary_.totals(output_seconds())});
+  keep_last_two();
+  written_ = state.step;
+  last_time_ = state.time;
+  last_clock_ = MPI_Wtime();
+  seconds_ += last_clock_ - begin;
+}
+
+void Checkpointer::keep_last_two() const {
+  if (rank_of(simulation_.cloth().mesh.comm) != 0) return;
+  const auto files = checkpoints_in(folder_);
+  std::error_code ignored; // one too many does no harm
+  for (std::size_t k = 2; k < files.size(); ++k) std::filesystem::remove(files[k], ignored);
+}
+
+} // namespace taut

@@ -1,0 +1,325 @@
+#include "io/hdf5.hpp"
+#include "src/time/checkpoint.hpp"
+#include "src/time/step_log.hpp"
+#include "src/time/summary.hpp"
+#include "tests/folder.hpp"
+#include "tests/petsc_options.hpp"
+#include "tests/simulate.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
+
+using namespace taut;
+using namespace taut::test;
+using testing::HasSubstr;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Two corners held, one moving and the other let go; the longest step is too long for it, so that steps are
+/// rejected.
+std::string falling_cloth(const std::string& rest) {
+  return "cloth:\n"
+         "  grid: {size: [1, 1], vertices: [15, 15]}\n"
+         "  material: {density: 0.2, bending: 1e-5, shear: 10, damping: {mass: 0.1, stiffness: 1e-3}}\n"
+         "pins:\n"
+         "  - vertices: [0]\n"
+         "    motion: [{time: 0}, {time: 0.1, translate: [0.1, 0.05, 0]}, {time: 0.2}]\n"
+         "  - vertices: [14]\n"
+         "    release: 0.15\n"
+         "air: {wind: [0, 1, 0.5]}\n"
+         "time: {end: 0.3, frame_rate: 10, max_step: 0.05}\n" +
+         rest;
+}
+
+const std::string direct = "velocity: {solver: mumps}\ninextensibility: {solver: mumps, max_iterations: 3}\n";
+const std::string iterative = "inextensibility: {max_iterations: 3}\n";
+
+/// What is compared of two runs.
+struct Result {
+  Column positions, velocities, force_densities; ///< at the end
+  Global steps = 0, rejected = 0;
+};
+
+Result result_of(const Simulation& simulation) {
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  const State& s = simulation.state();
+  return {gather<Vec3>(mesh.comm, mesh.vertices, s.positions),
+          gather<Vec3>(mesh.comm, mesh.vertices, s.velocities),
+          gather<double>(mesh.comm, mesh.edges, s.force_density), s.step, simulation.rejected_steps()};
+}
+
+/// The first `ranks` ranks of all; MPI_COMM_NULL on the others.
+class Some {
+public:
+  explicit Some(int ranks) {
+    MPI_Comm_split(world, rank_of(world) < ranks ? 0 : MPI_UNDEFINED, rank_of(world), &comm_);
+  }
+  ~Some() {
+    if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+    MPI_Barrier(world);
+  }
+  Some(const Some&) = delete;
+
+  template<class Work>
+  void do_it(Work&& work) const {
+    if (comm_ != MPI_COMM_NULL) work(comm_);
+  }
+
+private:
+  MPI_Comm comm_ = MPI_COMM_NULL;
+};
+
+Checkpoint checkpoint_of(const Simulation& simulation) {
+  return {"", simulation.state(), simulation.step_size().memory(), simulation.rejected_steps(), {}};
+}
+
+/// Runs on `before` ranks until `steps` are done, leaves a checkpoint, and goes on from it on `after` ranks.
+/// Compares with the run on `before` ranks that is not broken, on rank 0.
+void expect_unbroken(const std::string& text, int before, int after, Global steps, double tolerance) {
+  SCOPED_TRACE(fmt::format("{} ranks, after step {} on {}", before, steps, after));
+  const Folder folder;
+  Result unbroken, resumed;
+  Some(before).do_it([&](MPI_Comm comm) {
+    Simulation whole(comm, case_of(text)), cut(comm, case_of(text));
+    EXPECT_TRUE(whole.run({}).completed());
+    unbroken = result_of(whole);
+    EXPECT_EQ(cut.run({}, [&] { return cut.state().step == steps; }).ending, Ending::interrupted);
+    EXPECT_EQ(cut.state().step, steps);
+    write_checkpoint(folder / "a.h5", cut.cloth().mesh, checkpoint_of(cut));
+  });
+  Some(after).do_it([&](MPI_Comm comm) {
+    Simulation simulation(comm, case_of(text));
+    Checkpoint c = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
+    simulation.go_on_from(std::move(c.state), c.step_size, c.rejected_steps);
+    EXPECT_TRUE(simulation.run({}).completed());
+    resumed = result_of(simulation);
+  });
+  if (rank_of(world) != 0) return;
+  EXPECT_GT(unbroken.rejected, 0) << "the case is to try the memory of the step size";
+  EXPECT_EQ(resumed.steps, unbroken.steps);
+  EXPECT_EQ(resumed.rejected, unbroken.rejected);
+  const double error = (resumed.positions - unbroken.positions).reshaped(3, 225).colwise().norm().maxCoeff();
+  EXPECT_LE(error, tolerance);
+  if (tolerance > 0) return;
+  EXPECT_EQ(resumed.velocities, unbroken.velocities);
+  EXPECT_EQ(resumed.force_densities, unbroken.force_densities);
+}
+
+int all() { return size_of(world); }
+
+std::string contents(const fs::path& file) {
+  MPI_Barrier(world);
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  MPI_Barrier(world); // nobody writes while another reads
+  return text.str();
+}
+
+/// The message read_checkpoint gives.
+std::string refusal(const fs::path& file, const DistributedMesh& mesh) {
+  try {
+    read_checkpoint(file, mesh);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+void copy_first(const fs::path& from, const fs::path& to, double share) {
+  MPI_Barrier(world);
+  if (rank_of(world) == 0) {
+    fs::copy_file(from, to);
+    fs::resize_file(to, std::uintmax_t(share * double(fs::file_size(from))));
+  }
+  MPI_Barrier(world);
+}
+
+} // namespace
+
+TEST(Resume, OnTheSameRanksIsEqualToTheBit) {
+  for (const Global steps : {1, 7, 16, 25})
+    expect_unbroken(falling_cloth(iterative), all(), all(), steps, 0.0);
+}
+
+TEST(Resume, WithDirectSolversIsEqualOnAnyRanks) {
+  expect_unbroken(falling_cloth(direct), all(), 1, 7, 1e-9);
+  expect_unbroken(falling_cloth(direct), 1, all(), 7, 1e-9);
+  expect_unbroken(falling_cloth(direct), all(), (all() + 1) / 2, 16, 1e-9);
+}
+
+// Tolerances far below the default ones: with those, runs on different ranks differ by 1e-4 m.
+TEST(Resume, WithConjugateGradientsIsEqualOnAnyRanks) {
+  const OptionsInForce tight({{"-velocity_ksp_rtol", "1e-12"}, {"-projection_ksp_rtol", "1e-12"}});
+  expect_unbroken(falling_cloth(iterative), all(), 1, 7, 1e-6);
+  expect_unbroken(falling_cloth(iterative), (all() + 1) / 2, all(), 7, 1e-6);
+}
+
+TEST(Checkpoint, HoldsEverything) {
+  const Folder folder;
+  Simulation simulation(world, case_of(falling_cloth("")));
+  EXPECT_EQ(simulation.run({}, [&] { return simulation.state().step == 3; }).ending, Ending::interrupted);
+  Checkpoint written = checkpoint_of(simulation);
+  written.case_text = std::string(300000, 'x') + "\nend: äöü\n"; // pins may name a great many vertices
+  written.step_size = {.step = 0.1 / 3, .successes = 2, .patience = 16, .grew = true};
+  written.rejected_steps = 17;
+  Totals& t = written.totals;
+  t.steps = Global(1) << 40;
+  t.iterations = 5, t.linear_iterations = 6, t.velocity_iterations = 7, t.iterations_max = 8,
+  t.contacts_max = 9;
+  t.intersections = 10, t.phases.contact = 0.6;
+  t.strain_max = 1.0 / 3, t.strain_squares = 1e-300, t.strain_limit = 0.01;
+  t.histogram = {double(rank_of(world)), 1.0};
+  t.phases.velocity = 0.1, t.phases.projection = 0.2;
+  t.seconds = 0.3, t.setup_seconds = 0.4, t.output_seconds = 0.5;
+  write_checkpoint(folder / "a.h5", simulation.cloth().mesh, written);
+  const Checkpoint read = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
+
+  EXPECT_EQ(read.case_text, written.case_text);
+  EXPECT_EQ(read.state.time, written.state.time);
+  EXPECT_EQ(read.state.step, 3);
+  EXPECT_EQ(read.state.positions, written.state.positions) << "ghosts too";
+  EXPECT_EQ(read.state.velocities, written.state.velocities);
+  EXPECT_EQ(read.state.force_density, written.state.force_density);
+  EXPECT_EQ(read.step_size.step, 0.1 / 3);
+  EXPECT_EQ(read.step_size.successes, 2);
+  EXPECT_EQ(read.step_size.patience, 16);
+  EXPECT_TRUE(read.step_size.grew);
+  EXPECT_EQ(read.rejected_steps, 17);
+  const Totals& r = read.totals;
+  EXPECT_EQ(r.steps, t.steps);
+  EXPECT_EQ(std::tie(r.iterations, r.linear_iterations, r.velocity_iterations, r.iterations_max,
+                     r.contacts_max, r.intersections, r.phases.contact),
+            std::tie(t.iterations, t.linear_iterations, t.velocity_iterations, t.iterations_max,
+                     t.contacts_max, t.intersections, t.phases.contact));
+  EXPECT_EQ(std::tie(r.strain_max, r.strain_squares, r.strain_limit),
+            std::tie(t.strain_max, t.strain_squares, t.strain_limit));
+  EXPECT_EQ(std::tie(r.phases.velocity, r.phases.projection, r.seconds, r.setup_seconds, r.output_seconds),
+            std::tie(t.phases.velocity, t.phases.projection, t.seconds, t.setup_seconds, t.output_seconds));
+  std::vector<double> histogram = r.histogram;
+  sum_in_place(world, histogram);
+  EXPECT_EQ(histogram, (std::vector<double>{all() * (all() - 1) / 2.0, double(all())}));
+}
+
+TEST(Checkpoint, RefusesWhatIsNoneOfTheRun) {
+  const Folder folder;
+  Simulation simulation(world, case_of(falling_cloth("")));
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  write_checkpoint(folder / "whole.h5", mesh, checkpoint_of(simulation));
+  EXPECT_EQ(refusal(folder / "whole.h5", mesh), "accepted");
+  for (const double share : {0.0, 0.1, 0.9, 0.999}) {
+    const std::string name = fmt::format("{}.h5", share);
+    copy_first(folder / "whole.h5", folder / name, share);
+    EXPECT_THAT(refusal(folder / name, mesh), HasSubstr(name + ": cannot be opened as HDF5"));
+  }
+  EXPECT_THAT(refusal(folder / "none.h5", mesh), HasSubstr("no such file"));
+
+  write_whole(world, folder / "foreign.h5", [&](H5Writer& file) { file.attribute("time", 1.0); });
+  EXPECT_THAT(refusal(folder / "foreign.h5", mesh), HasSubstr("taut_checkpoint cannot be read"));
+  write_whole(world, folder / "later.h5",
+              [&](H5Writer& file) { file.attribute("taut_checkpoint", Global(99)); });
+  EXPECT_THAT(refusal(folder / "later.h5", mesh), HasSubstr("a checkpoint of format 99"));
+
+  Simulation other(world,
+                   case_of("cloth: {grid: {size: [1, 1], vertices: [15, 14]}}\npins: [{vertices: [0]}]\n"));
+  EXPECT_THAT(refusal(folder / "whole.h5", other.cloth().mesh), HasSubstr("has 225 rows instead of 210"));
+
+  Checkpoint broken = checkpoint_of(simulation);
+  if (rank_of(world) == all() - 1) broken.state.velocities[0].y() = NAN;
+  write_checkpoint(folder / "broken.h5", mesh, broken);
+  EXPECT_THAT(refusal(folder / "broken.h5", mesh),
+              HasSubstr("velocities: it holds a number that is not finite"));
+}
+
+TEST(Checkpoint, FilesAreFoundByTheirNames) {
+  const Folder folder;
+  EXPECT_TRUE(checkpoints_in(folder / "run").empty());
+  MPI_Barrier(world);
+  EXPECT_EQ(step_of_checkpoint(checkpoint_file("run", 12)), 12);
+  EXPECT_EQ(step_of_checkpoint(checkpoint_file("run", 12345678901)), 12345678901);
+  for (const char* name : {"step_.h5", "step_1x.h5", "step_000000012.h5.part", "frame_000001.h5", "step_12"})
+    EXPECT_EQ(step_of_checkpoint(name), -1) << name;
+  if (rank_of(world) == 0) {
+    fs::create_directories(folder / "run/checkpoint");
+    for (const Global step : {9, 100, 20}) std::ofstream(checkpoint_file(folder / "run", step));
+    std::ofstream(folder / "run/checkpoint/notes.txt");
+  }
+  MPI_Barrier(world);
+  const fs::path run = folder / "run";
+  EXPECT_EQ(checkpoints_in(run), (std::vector<fs::path>{checkpoint_file(run, 100), checkpoint_file(run, 20),
+                                                        checkpoint_file(run, 9)}));
+}
+
+TEST(StepSize, KnowsTheFrameAfterATime) {
+  for (const double rate : {1.0, 3.0, 29.97, 100.0}) {
+    const StepSize steps({.end = 2.05, .frame_rate = rate});
+    EXPECT_EQ(steps.frame_after(0.0), 1);
+    for (Global frame = 1; frame <= steps.frames(); ++frame) {
+      EXPECT_EQ(steps.frame_after(steps.frame_time(frame)), frame + 1) << rate;
+      EXPECT_EQ(steps.frame_after(steps.frame_time(frame) - 1e-3), frame) << rate;
+    }
+  }
+}
+
+TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
+  const Folder folder;
+  State state;
+  const auto write = [&](const std::vector<std::string>& energies, Global last, Global first, Global end) {
+    StepLog log(world, folder / "steps.csv", energies, last);
+    for (state.step = first; state.step < end; ++state.step) {
+      StepRecord record;
+      record.depth = double(state.step) / 4;
+      record.energies.potential.assign(energies.size(), double(state.step));
+      log.after_step(state, record);
+    }
+  };
+  write({"gravity"}, 0, 1, 7);
+  const std::string whole = contents(folder / "steps.csv");
+  write({"gravity"}, 4, 5, 7);
+  EXPECT_EQ(contents(folder / "steps.csv"), whole) << "rows after the checkpoint come once";
+
+  if (rank_of(world) == 0) std::ofstream(folder / "steps.csv", std::ios::app) << "7,0.1,0."; // cut off here
+  write({"gravity"}, 6, 7, 7);
+  EXPECT_EQ(contents(folder / "steps.csv"), whole) << "half a row is dropped";
+
+  write({"air", "gravity"}, 2, 3, 4);
+  EXPECT_THAT(contents(folder / "steps.csv"), HasSubstr("kinetic_J,air_J,gravity_J,velocity_s"));
+  EXPECT_THAT(contents(folder / "steps.csv"),
+              HasSubstr("\n2,0,0,0,0,0,0.5,0,0,0,0,0,,2,0,0,0\n3,0,0,0,0,0,0.75,"));
+  write({"gravity"}, 0, 1, 7);
+  EXPECT_EQ(contents(folder / "steps.csv"), whole) << "begun anew";
+}
+
+// The figures of a run do not depend on where it was cut.
+TEST(Summary, CountsTheStepsBeforeARunWasResumed) {
+  const Case input = case_of(falling_cloth(iterative));
+  Simulation whole(world, input), cut(world, input);
+  const IntersectionCheck none(whole.cloth(), input);
+  Summary all_of_it(whole, input, none, {}, MPI_Wtime()), first(cut, input, none, {}, MPI_Wtime());
+  run_to_the_end(whole, all_of_it);
+  Observer* const observers[] = {&first};
+  cut.run(observers, [&] { return cut.state().step == 16; });
+  Summary second(cut, input, none, first.totals(0.0), MPI_Wtime());
+  run_to_the_end(cut, second);
+  const Totals a = all_of_it.totals(0), b = second.totals(0);
+  EXPECT_EQ(std::tie(a.steps, a.iterations, a.iterations_max, a.strain_max, a.histogram),
+            std::tie(b.steps, b.iterations, b.iterations_max, b.strain_max, b.histogram));
+  EXPECT_EQ(a.strain_squares, b.strain_squares);
+
+  Case stricter = input;
+  stricter.inextensibility.strain /= 2;
+  const Totals rescaled = Summary(whole, stricter, none, a, MPI_Wtime()).totals(0);
+  EXPECT_EQ(rescaled.strain_limit, 0.005);
+  for (const std::size_t bin : {1u, 100u, 400u}) {
+    double old = 0;
+    for (std::size_t k = 0; k <= bin; ++k) old += a.histogram[k];
+    double present = 0;
+    for (std::size_t k = 0; k <= 2 * bin; ++k) present += rescaled.histogram[k];
+    EXPECT_EQ(present, old) << "as many edges below the same strain";
+  }
+}
