@@ -57,7 +57,7 @@ class Job:
     def ranks(self):
         """Process ids of the program's ranks, those of this job alone."""
         found, parents = [], [self.process.pid]
-        if os.readlink(f"/proc/{self.process.pid}/exe") == os.path.realpath(COMMAND[-1]):
+        if program_of(self.process.pid) == os.path.realpath(COMMAND[-1]):
             return parents
         while parents:
             parents = [child for parent in parents for child in children(parent)]

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
+#include <sstream>
 
 namespace taut {
 
@@ -15,12 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Global format = 1;
-constexpr const char *format_name = "taut_checkpoint", *case_name = "case";
+constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
 
-/// Everything in a checkpoint, once, for writing and for reading.
+/// Everything in a checkpoint but the case, once, for writing and for reading.
 template<class C, class V>
 void visit_checkpoint(C& checkpoint, V& visit) {
-  visit(case_name, checkpoint.case_text);
   visit("time", checkpoint.state.time);
   visit("step", checkpoint.state.step);
   visit("longest_step", checkpoint.step_size.step);
@@ -36,11 +37,13 @@ class Writing {
 public:
   Writing(H5Writer& file, const DistributedMesh& mesh) : file_(file), mesh_(mesh) {}
 
-  void operator()(const char* name, double value) { file_.attribute(name, value); }
-  void operator()(const char* name, Global value) { file_.attribute(name, value); }
-  void operator()(const char* name, int value) { file_.attribute(name, Global(value)); }
-  void operator()(const char* name, bool value) { file_.attribute(name, Global(value)); }
-  void operator()(const char* name, const std::string& value) { file_.attribute(name, value); }
+  template<class Number>
+  void operator()(const char* name, Number value) {
+    numbers_ +=
+        fmt::format("{} {}\n", name, +value); // a bool as 0 or 1; a double so that it reads back exactly
+  }
+
+  const std::string& numbers() const { return numbers_; }
 
   void added_up(const char* name, std::vector<double> values) {
     sum_in_place(mesh_.comm, values);
@@ -67,17 +70,26 @@ private:
 
   H5Writer& file_;
   const DistributedMesh& mesh_;
+  std::string numbers_; ///< "name value" lines: one attribute costs no more than one number would
 };
 
 class Reading {
 public:
-  Reading(const H5Reader& file, const DistributedMesh& mesh) : file_(file), mesh_(mesh) {}
+  Reading(const H5Reader& file, const DistributedMesh& mesh) : file_(file), mesh_(mesh) {
+    std::istringstream lines(file.attribute<std::string>(numbers_name));
+    for (std::string name, value; lines >> name >> value;) numbers_[name] = value;
+  }
 
-  void operator()(const char* name, double& value) { value = file_.attribute<double>(name); }
-  void operator()(const char* name, Global& value) { value = file_.attribute<Global>(name); }
-  void operator()(const char* name, int& value) { value = int(file_.attribute<Global>(name)); }
-  void operator()(const char* name, bool& value) { value = file_.attribute<Global>(name) != 0; }
-  void operator()(const char* name, std::string& value) { value = file_.attribute<std::string>(name); }
+  template<class Number>
+  void operator()(const char* name, Number& value) {
+    using Parsed = std::conditional_t<std::is_same_v<Number, bool>, int, Number>;
+    const std::string& text = numbers_[name];
+    Parsed parsed{};
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
+    if (error != std::errc{} || stop != text.data() + text.size())
+      refuse(name, fmt::format("'{}' is not its value", text));
+    value = Number(parsed);
+  }
 
   void added_up(const char* name, std::vector<double>& values) {
     const Global total = file_.rows(name), mine = rank_of(mesh_.comm) == 0 ? total : 0;
@@ -121,6 +133,7 @@ private:
 
   const H5Reader& file_;
   const DistributedMesh& mesh_;
+  std::map<std::string, std::string> numbers_;
 };
 
 void check_format(const H5Reader& file) {
@@ -135,8 +148,10 @@ void check_format(const H5Reader& file) {
 void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const Checkpoint& checkpoint) {
   write_whole(mesh.comm, path, [&](H5Writer& file) {
     file.attribute(format_name, format);
+    file.attribute(case_name, checkpoint.case_text);
     Writing writing(file, mesh);
     visit_checkpoint(checkpoint, writing);
+    file.attribute(numbers_name, writing.numbers());
   });
 }
 
@@ -144,6 +159,7 @@ Checkpoint read_checkpoint(const fs::path& path, const DistributedMesh& mesh) {
   const H5Reader file(mesh.comm, path);
   check_format(file);
   Checkpoint checkpoint;
+  checkpoint.case_text = file.attribute<std::string>(case_name);
   Reading reading(file, mesh);
   visit_checkpoint(checkpoint, reading);
   return checkpoint;
