@@ -162,7 +162,7 @@ TEST(ContactProjection, HoldsStrainAndNeverIntersects) {
   Recorder record(simulation);
   Observer* const observers[] = {&check, &record};
   const Outcome outcome = simulation.run(observers);
-  EXPECT_TRUE(outcome.completed) << outcome.reason;
+  EXPECT_TRUE(outcome.completed()) << outcome.reason;
   EXPECT_EQ(check.count(), 0) << check.first();
   Global contacts = 0;
   for (const StepRecord& r : record.records) {
@@ -203,7 +203,7 @@ TEST(ContactProjection, NamesAPinThatDragsClothThroughAnObstacle) {
   Recorder record(simulation);
   Observer* const observers[] = {&record};
   const Outcome outcome = simulation.run(observers);
-  EXPECT_FALSE(outcome.completed);
+  EXPECT_FALSE(outcome.completed());
   EXPECT_THAT(outcome.reason, HasSubstr("table"));
 }
 
