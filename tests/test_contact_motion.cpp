@@ -183,7 +183,7 @@ TEST(ContactProjection, FallsAlikeAtAnyNumberOfRanksUntilItTouches) {
   const auto run = [](MPI_Comm comm) {
     Case input = case_of(heap);
     input.time.end = 0.1;
-    input.velocity.tolerance = 1e-10;
+    input.velocity.solver = input.inextensibility.solver = config::LinearSolver::mumps;
     Simulation simulation(comm, input);
     Recorder record(simulation);
     run_to_the_end(simulation, record);

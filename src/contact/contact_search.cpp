@@ -12,66 +12,70 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach + 2 * slack;
   pairs_.clear();
   elements_.find(motion, reach_);
-  elements_.for_each_pair([this](const Element& a, const Element& b) { meet_features(a, b); });
+  elements_.for_each_pair(
+      [this](const Element& a, const Element& b, double far) { meet_features(a, b, far); });
   meet_planes();
   place_in_fields();
 }
 
 /// Vertices against faces both ways, edges against edges, each by the element that represents it. An element
 /// without a face has edges only, a point is an edge of no length.
-void ContactSearch::meet_features(const Element& a, const Element& b) {
+void ContactSearch::meet_features(const Element& a, const Element& b, double reach) {
+  const std::int16_t body = std::max(a.body, b.body);
   if (b.is_triangle())
     for (int k = 0; k < a.corners; ++k)
-      if (a.represents_vertex(k)) try_vertex_face(a, k, b);
+      if (a.represents_vertex(k))
+        try_pair(PairKind::vertex_face, body, {a.vertices[k], b.vertices[0], b.vertices[1], b.vertices[2]},
+                 reach);
   if (a.is_triangle())
     for (int k = 0; k < b.corners; ++k)
-      if (b.represents_vertex(k)) try_vertex_face(b, k, a);
+      if (b.represents_vertex(k))
+        try_pair(PairKind::vertex_face, body, {b.vertices[k], a.vertices[0], a.vertices[1], a.vertices[2]},
+                 reach);
   for (int k = 0; k < a.corners; ++k)
-    if (a.represents_edge(k) || (a.corners == 1 && !b.is_triangle())) try_edges(a, k, b);
+    if (a.represents_edge(k) || (a.corners == 1 && !b.is_triangle()))
+      for (int l = 0; l < b.corners; ++l)
+        if (b.represents_edge(l) || (b.corners == 1 && !a.is_triangle()))
+          try_pair(PairKind::edge_edge, body, {a.vertices[k], a.edge_end(k), b.vertices[l], b.edge_end(l)},
+                   reach);
 }
 
-void ContactSearch::try_vertex_face(const Element& a, int corner, const Element& b) {
-  try_pair({{a.vertices[corner], b.vertices[0], b.vertices[1], b.vertices[2]},
-            PairKind::vertex_face,
-            std::max(a.body, b.body),
-            0.0,
-            Vec3::Zero()});
-}
-
-void ContactSearch::try_edges(const Element& a, int edge, const Element& b) {
-  for (int k = 0; k < b.corners; ++k)
-    if (b.represents_edge(k) || (b.corners == 1 && !a.is_triangle()))
-      try_pair({{a.vertices[edge], a.edge_end(edge), b.vertices[k], b.edge_end(k)},
-                PairKind::edge_edge,
-                std::max(a.body, b.body),
-                0.0,
-                Vec3::Zero()});
-}
-
-/// Keeps the pair if nothing shows that it stays farther apart than `reach_`: not the balls around its
-/// features, nor the direction of their distance.
-void ContactSearch::try_pair(Pair pair) {
-  const auto& v = pair.vertices;
+/// Keeps the pair if nothing shows that it stays apart: vertices in common, balls around its features, their
+/// distance, the motion along the direction of that.
+void ContactSearch::try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& v, double reach) {
   const auto vertices = elements_.vertices();
-  const bool is_face = pair.kind == PairKind::vertex_face;
-  const Global first = vertices[v[0]].key, second = is_face ? first : vertices[v[1]].key;
-  for (int k = is_face ? 1 : 2; k < 4 && pair.kind != PairKind::vertex_plane; ++k)
-    if (vertices[v[k]].key == first || vertices[v[k]].key == second) return;
-  if (pair.body >= 0) pair.radius = obstacles_.body(pair.body).radius;
-  const Four x = at(pair, elements_.positions()), u = at(pair, elements_.displacements());
+  const bool is_face = kind == PairKind::vertex_face;
+  for (int i = 0; i < (is_face ? 1 : 2); ++i)
+    for (int k = is_face ? 1 : 2; k < 4; ++k)
+      if (vertices[v[i]].key == vertices[v[k]].key) return;
+  const Pair pair{v, kind, body, body >= 0 ? obstacles_.body(body).radius : 0.0, Vec3::Zero()};
+  const Four x = at(pair, elements_.positions());
+  if (!is_face) {
+    const double far = reach + 0.5 * ((x[1] - x[0]).norm() + (x[3] - x[2]).norm());
+    if (0.25 * (x[0] + x[1] - x[2] - x[3]).squaredNorm() > far * far) return;
+  }
   const Approach here = approach(pair, x);
-  if (here.gap - std::max(0.0, closing(pair, u, here.normal)) <= reach_) pairs_.push_back(pair);
+  if (here.gap + pair.radius > reach) return;
+  const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
+  if (here.gap - std::max(0.0, approaching) <= reach_) pairs_.push_back(pair);
 }
 
 void ContactSearch::meet_planes() {
   const Local cloth = cloth_.mesh.vertices.size();
-  for (const Obstacles::Plane& plane : obstacles_.planes())
-    for (Local i = 0; i < own_; ++i)
-      try_pair({{i, cloth + plane.point, cloth + plane.point, cloth + plane.point},
-                PairKind::vertex_plane,
-                std::int16_t(plane.body),
-                0.0,
-                plane.normal});
+  for (const Obstacles::Plane& plane : obstacles_.planes()) {
+    const Local point = cloth + plane.point;
+    Pair pair{{0, point, point, point},
+              PairKind::vertex_plane,
+              std::int16_t(plane.body),
+              obstacles_.body(plane.body).radius,
+              plane.normal};
+    for (Local i = 0; i < own_; ++i) {
+      pair.vertices[0] = i;
+      const double gap = approach(pair, at(pair, elements_.positions())).gap;
+      const double approaching = closing(pair, at(pair, elements_.displacements()), plane.normal);
+      if (gap - std::max(0.0, approaching) <= reach_) pairs_.push_back(pair);
+    }
+  }
 }
 
 /// Renumbers the vertices of the pairs to places in contact fields, and arranges for their ghosts.

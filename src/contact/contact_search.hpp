@@ -38,10 +38,8 @@ public:
   void accumulate(std::vector<Vec3>& field) const { plan_.reverse_add<Vec3>(field, field); }
 
 private:
-  void meet_features(const Element& a, const Element& b);
-  void try_vertex_face(const Element& a, int corner, const Element& b);
-  void try_edges(const Element& a, int edge, const Element& b);
-  void try_pair(Pair pair);
+  void meet_features(const Element& a, const Element& b, double reach);
+  void try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& vertices, double reach);
   void meet_planes();
   void place_in_fields();
 

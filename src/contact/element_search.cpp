@@ -92,15 +92,15 @@ void ElementSearch::bound(Group& group) const {
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
-  Ball ball{Vec3::Zero(), Vec3::Zero(), 0};
+  Ball ball{Vec3::Zero(), Vec3::Zero(), 0, 0, e.body < 0 ? 0.0 : obstacles_.body(e.body).radius};
   for (int k = 0; k < e.corners; ++k) {
     ball.centre += x_[e.vertices[k]] / e.corners;
     ball.motion += u_[e.vertices[k]] / e.corners;
   }
-  for (int k = 0; k < e.corners; ++k)
-    ball.radius = std::max(ball.radius, (x_[e.vertices[k]] - ball.centre).norm() +
-                                            (u_[e.vertices[k]] - ball.motion).norm());
-  if (e.body >= 0) ball.radius += obstacles_.body(e.body).radius;
+  for (int k = 0; k < e.corners; ++k) {
+    ball.radius = std::max(ball.radius, (x_[e.vertices[k]] - ball.centre).norm());
+    ball.spread = std::max(ball.spread, (u_[e.vertices[k]] - ball.motion).norm());
+  }
   return ball;
 }
 
@@ -150,12 +150,6 @@ void ElementSearch::append_elements_near(std::span<const Box> blocks, std::vecto
       s.u[k] = u_[v];
     }
   }
-}
-
-/// Centres approach by no more than the mean motions differ.
-bool ElementSearch::can_meet(const Ball& a, const Ball& b) const {
-  const double apart = a.radius + b.radius + (a.motion - b.motion).norm() + reach_;
-  return (a.centre - b.centre).squaredNorm() <= apart * apart;
 }
 
 } // namespace taut

@@ -30,13 +30,19 @@ public:
   /// straight lines, by boxes and balls around them: a superset. Collective.
   void find(const Motion& motion, double reach);
 
-  /// Calls visit(a, b) for every pair found; vertices of the elements are places in the fields below.
+  /// Calls visit(a, b, reach) for every pair found; vertices of the elements are places in the fields below.
+  /// `reach` (m, radii in it) is how far apart they may be now to come near enough.
   template<class Visit>
   void for_each_pair(Visit&& visit) const {
     for (const auto& [group, pairs] :
          {std::pair{&own_, &own_pairs_}, {&bodies_, &body_pairs_}, {&received_, &received_pairs_}})
-      for (const auto& [i, j] : *pairs)
-        if (can_meet(own_.balls[i], group->balls[j])) visit(own_.elements[i], group->elements[j]);
+      for (const auto& [i, j] : *pairs) {
+        const Ball &a = own_.balls[i], &b = group->balls[j];
+        const double reach = reach_ + a.spread + b.spread + (a.motion - b.motion).norm() + b.thickness;
+        const double apart = a.radius + b.radius + reach;
+        if ((a.centre - b.centre).squaredNorm() <= apart * apart)
+          visit(own_.elements[i], group->elements[j], reach);
+      }
   }
 
   /// Of local cloth vertices, then of obstacles, then of what came from other ranks.
@@ -54,7 +60,9 @@ private:
   };
   struct Ball {
     Vec3 centre, motion; ///< means over the vertices, m
-    double radius;       ///< m, with how far the vertices' motions differ from the mean
+    double radius;       ///< m
+    double spread;       ///< m that the vertices' motions differ from the mean at most
+    double thickness;    ///< m, the radius of an obstacle
   };
   /// The elements of one source; their vertices are places in `vertices_`.
   struct Group {
@@ -67,7 +75,6 @@ private:
   void take_positions(const Motion& motion);
   void bound(Group& group) const;
   Ball ball_around(const Element& element) const;
-  bool can_meet(const Ball& a, const Ball& b) const;
   void receive_elements();
   void append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const;
 

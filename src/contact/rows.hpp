@@ -22,8 +22,8 @@ struct ContactRow {
   std::array<Local, 4> vertices;
   std::array<double, 4> weights;
   Vec3 direction;
-  double mobility; ///< 1/kg: the left side grows by it per unit of the multiplier, the other rows aside
-  double missing;  ///< m by which the left side has to grow
+  double mobility;     ///< 1/kg: the left side grows by it per unit of the multiplier, the other rows aside
+  double missing;      ///< m by which the left side has to grow
   double lower, upper; ///< of the multiplier's increment
   double slack;        ///< m that may stay missing
   double guess;        ///< of the multiplier's increment
