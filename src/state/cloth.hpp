@@ -19,6 +19,7 @@ struct State {
   Global step = 0;                   ///< accepted steps so far
   std::vector<Vec3> positions;       ///< m, of local vertices
   std::vector<Vec3> velocities;      ///< m/s
+  std::vector<Vec3> contact_force;   ///< N, of local vertices: what of it lasted through the last step
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
 };
 
@@ -28,12 +29,14 @@ template<class S, class V>
 void visit_fields(S& state, V& visit) {
   visit.on_vertices("positions", state.positions);
   visit.on_vertices("velocities", state.velocities);
+  visit.on_vertices("contact_force", state.contact_force);
   visit.on_edges("force_density", state.force_density);
 }
 
 /// What a step proposes before it is accepted.
 struct Candidate {
   std::vector<Vec3> velocities;
+  std::vector<Vec3> contact_force;
   std::vector<double> force_density;
 };
 

@@ -4,6 +4,7 @@
 #include "src/filters/fast_projection.hpp"
 #include "src/forces/air_drag.hpp"
 #include "src/forces/bending.hpp"
+#include "src/forces/carried_contact.hpp"
 #include "src/forces/carried_tension.hpp"
 #include "src/forces/gravity.hpp"
 #include "src/forces/shear.hpp"
@@ -25,6 +26,7 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
       std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
   forces.push_back(std::make_unique<QuadShear>(cloth, pattern, material.shear, material.damping.stiffness));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
+  if (input.has_contact()) forces.push_back(std::make_unique<CarriedContact>(cloth));
   if (input.inextensibility.carried_tension &&
       input.inextensibility.method != config::InextensibilityMethod::none)
     forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
@@ -118,6 +120,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   record.dt = dt;
   Stopwatch watch;
   candidate_.velocities = state_.velocities;
+  candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
   candidate_.force_density.resize(state_.force_density.size());
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
     candidate_.force_density[e] =
@@ -151,6 +154,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
 void Simulation::accept(double time) {
   std::swap(state_.positions, end_positions_);
   std::swap(state_.velocities, candidate_.velocities);
+  std::swap(state_.contact_force, candidate_.contact_force);
   std::swap(state_.force_density, candidate_.force_density);
   state_.time = time;
   ++state_.step;
