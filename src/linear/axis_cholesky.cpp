@@ -20,7 +20,7 @@ void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> pres
   for (;; shift_ = std::max(2 * shift_, least_shift)) {
     collect(matrix);
     leave_out(prescribed);
-    for (double& d : diagonal_) d *= 1 + shift_;
+    for (double& d : diagonal_) d = (1 + shift_) * (d > 0 ? d : 1 - d);
     if (eliminate()) return;
   }
 }

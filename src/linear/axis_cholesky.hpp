@@ -13,7 +13,9 @@ public:
   explicit AxisCholesky(const Pattern& pattern);
 
   /// Prescribed vertices get the identity. If a pivot comes out too small, it starts again with a larger
-  /// diagonal [Manteuffel 1980]; the next factorisation tries half that shift. Not collective.
+  /// diagonal [Manteuffel 1980]; the next factorisation tries half that shift. A matrix that is not positive
+  /// definite is for the solver to find out: entries of the diagonal below 0 are made positive. Not
+  /// collective.
   void factor(const VertexMatrix& matrix, std::span<const char> prescribed);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.
