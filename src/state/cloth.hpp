@@ -20,12 +20,17 @@ struct State {
   std::vector<Vec3> positions;       ///< m, of local vertices
   std::vector<Vec3> velocities;      ///< m/s
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
+
+  /// The step before, for bdf2; empty where there was none, and for the other integrators.
+  std::vector<Vec3> previous_positions{}, previous_velocities{};
+  double previous_dt = 0; ///< s, from there to here; 0: the next step is one of implicit Euler
 };
 
 /// What a step proposes before it is accepted.
 struct Candidate {
-  std::vector<Vec3> velocities;
+  std::vector<Vec3> velocities; ///< those that lead from the start of the step to its end
   std::vector<double> force_density;
+  std::vector<Vec3> end_velocities{}; ///< those at the end, where they are others; else empty
 };
 
 /// Derives masses and lengths. Collective.

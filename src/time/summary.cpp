@@ -1,5 +1,7 @@
 #include "src/time/summary.hpp"
 
+#include "src/config/methods.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
@@ -82,7 +84,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, Global intersec
       {"rejected_steps", outcome.rejected_steps},
       {"end_time", simulation_.state().time},
       {"strain",
-       {{"limit", input_.inextensibility.strain},
+       {{"limit", config::holds_limit(input_.inextensibility) ? Json(input_.inextensibility.strain) : Json()},
         {"max", strain_max_},
         {"rms", std::sqrt(a_step(strain_squares_))},
         {"p999", quantile(0.999)}}},
