@@ -63,7 +63,7 @@ gravity: [0, 0, -1.62]
 air: {wind: [20 km/h, 0, 0], drag: 0.5, gust: {speed: 1, length: 2, period: 3}}
 time: {end: 2 min, frame_rate: 25 Hz, max_step: 3 ms, min_step: 1 us}
 velocity: {solver: mumps, tolerance: 1e-8, max_iterations: 7}
-inextensibility: {method: none, strain: 1 %, solver: mumps, max_iterations: 3, carried_tension: false, compliance: 0.1}
+inextensibility: {method: icd, strain: 1 %, solver: mumps, max_iterations: 3, carried_tension: false, compliance: 0.1}
 partition: {method: stripes}
 output: {fields: [tension, position]}
 )";

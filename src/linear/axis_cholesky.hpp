@@ -13,8 +13,9 @@ public:
   explicit AxisCholesky(const Pattern& pattern);
 
   /// Prescribed vertices get the identity. If a pivot comes out too small, it starts again with a larger
-  /// diagonal [Manteuffel 1980]. Depends on nothing but its arguments, so that a resumed run goes on exactly
-  /// as the unbroken one. Not collective.
+  /// diagonal [Manteuffel 1980]. A matrix that is not positive definite is for the solver to find out: entries
+  /// of the diagonal below 0 are made positive. Depends on nothing but its arguments, so that a resumed run
+  /// goes on exactly as the unbroken one. Not collective.
   void factor(const VertexMatrix& matrix, std::span<const char> prescribed);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.

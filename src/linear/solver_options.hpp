@@ -6,11 +6,14 @@ namespace taut {
 /// How a linear system is to be solved. PETSc options with the system's prefix change everything else.
 struct SolverOptions {
   enum class Kind {
-    cg,    ///< preconditioned conjugate gradients
-    mumps, ///< distributed Cholesky factorisation
+    cg,    ///< preconditioned conjugate gradients; GMRES where the matrix is not symmetric
+    mumps, ///< distributed factorisation: Cholesky, L D L^T or L U
   };
+  enum class Matrix { positive_definite, indefinite, nonsymmetric };
+
   Kind kind = Kind::cg;
   int max_iterations = 1000;
+  Matrix matrix = Matrix::positive_definite;
 };
 
 struct SolveReport {

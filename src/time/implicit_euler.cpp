@@ -13,9 +13,13 @@ SolverOptions solver_options(const config::Velocity& options) {
 } // namespace
 
 ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
-                             const config::Velocity& options)
+                             const config::Velocity& options, config::Integrator integrator)
     : cloth_(cloth), forces_(forces), tolerance_(options.tolerance),
-      step_(pattern, cloth.mesh.vertices.size()), solver_(cloth.mesh, pattern, solver_options(options)) {}
+      step_(pattern, cloth.mesh.vertices.size()), solver_(cloth.mesh, pattern, solver_options(options)) {
+  if (integrator != config::Integrator::imex) return;
+  loads_.emplace(pattern, cloth.mesh.vertices.size());
+  load_impulse_.resize(cloth.mesh.vertices.size());
+}
 
 SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<const char> prescribed,
                                    std::vector<Vec3>& velocities) {
@@ -25,8 +29,18 @@ SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<cons
     step_.add_inertia(i, cloth_.mass[i], start.velocities[i]);
     step_.add_damping(i, damping * cloth_.mass[i]);
   }
-  for (const auto& force : forces_) force->add_to(step_, start);
+  for (const auto& force : forces_)
+    if (!loads_ || force->is_internal()) force->add_to(step_, start);
+  if (loads_) add_explicit_loads(start, dt);
   return solver_.solve(step_.matrix(), step_.rhs(), prescribed, tolerance_, velocities);
+}
+
+void ImplicitEuler::add_explicit_loads(const State& start, double dt) {
+  loads_->start_explicit(dt);
+  for (const auto& force : forces_)
+    if (!force->is_internal()) force->add_to(*loads_, start);
+  loads_->explicit_impulse(start.velocities, load_impulse_);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) step_.add_force(i, load_impulse_[i] / dt);
 }
 
 } // namespace taut
