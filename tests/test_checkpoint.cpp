@@ -1,10 +1,9 @@
 #include "io/hdf5.hpp"
-#include "src/time/checkpoint.hpp"
 #include "src/time/step_log.hpp"
 #include "src/time/summary.hpp"
 #include "tests/folder.hpp"
 #include "tests/petsc_options.hpp"
-#include "tests/simulate.hpp"
+#include "tests/resume.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -39,72 +38,19 @@ std::string falling_cloth(const std::string& rest) {
 const std::string direct = "velocity: {solver: mumps}\ninextensibility: {solver: mumps, max_iterations: 3}\n";
 const std::string iterative = "inextensibility: {max_iterations: 3}\n";
 
-/// What is compared of two runs.
-struct Result {
-  Column positions, velocities, force_densities; ///< at the end
-  Global steps = 0, rejected = 0;
-};
-
-Result result_of(const Simulation& simulation) {
-  const DistributedMesh& mesh = simulation.cloth().mesh;
-  const State& s = simulation.state();
-  return {gather<Vec3>(mesh.comm, mesh.vertices, s.positions),
-          gather<Vec3>(mesh.comm, mesh.vertices, s.velocities),
-          gather<double>(mesh.comm, mesh.edges, s.force_density), s.step, simulation.rejected_steps()};
-}
-
-/// The first `ranks` ranks of all; MPI_COMM_NULL on the others.
-class Some {
-public:
-  explicit Some(int ranks) {
-    MPI_Comm_split(world, rank_of(world) < ranks ? 0 : MPI_UNDEFINED, rank_of(world), &comm_);
-  }
-  ~Some() {
-    if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
-    MPI_Barrier(world);
-  }
-  Some(const Some&) = delete;
-
-  template<class Work>
-  void do_it(Work&& work) const {
-    if (comm_ != MPI_COMM_NULL) work(comm_);
-  }
-
-private:
-  MPI_Comm comm_ = MPI_COMM_NULL;
-};
-
-Checkpoint checkpoint_of(const Simulation& simulation) {
-  return {"", simulation.state(), simulation.step_size().memory(), simulation.rejected_steps(), {}};
-}
-
 /// Runs on `before` ranks until `steps` are done, leaves a checkpoint, and goes on from it on `after` ranks.
 /// Compares with the run on `before` ranks that is not broken, on rank 0.
 void expect_unbroken(const std::string& text, int before, int after, Global steps, double tolerance) {
   SCOPED_TRACE(fmt::format("{} ranks, after step {} on {}", before, steps, after));
   const Folder folder;
-  Result unbroken, resumed;
-  Some(before).do_it([&](MPI_Comm comm) {
-    Simulation whole(comm, case_of(text)), cut(comm, case_of(text));
-    EXPECT_TRUE(whole.run({}).completed());
-    unbroken = result_of(whole);
-    EXPECT_EQ(cut.run({}, [&] { return cut.state().step == steps; }).ending, Ending::interrupted);
-    EXPECT_EQ(cut.state().step, steps);
-    write_checkpoint(folder / "a.h5", cut.cloth().mesh, checkpoint_of(cut));
-  });
-  Some(after).do_it([&](MPI_Comm comm) {
-    Simulation simulation(comm, case_of(text));
-    Checkpoint c = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
-    simulation.go_on_from(std::move(c.state), c.step_size, c.rejected_steps);
-    EXPECT_TRUE(simulation.run({}).completed());
-    resumed = result_of(simulation);
-  });
+  const Result unbroken = run_whole(text, before);
+  run_and_cut(text, before, steps, folder / "a.h5");
+  const Result resumed = go_on(text, after, folder / "a.h5");
   if (rank_of(world) != 0) return;
   EXPECT_GT(unbroken.rejected, 0) << "the case is to try the memory of the step size";
   EXPECT_EQ(resumed.steps, unbroken.steps);
   EXPECT_EQ(resumed.rejected, unbroken.rejected);
-  const double error = (resumed.positions - unbroken.positions).reshaped(3, 225).colwise().norm().maxCoeff();
-  EXPECT_LE(error, tolerance);
+  EXPECT_LE(distance(resumed, unbroken), tolerance);
   if (tolerance > 0) return;
   EXPECT_EQ(resumed.velocities, unbroken.velocities);
   EXPECT_EQ(resumed.force_densities, unbroken.force_densities);
@@ -186,6 +132,8 @@ TEST(Checkpoint, HoldsEverything) {
   EXPECT_EQ(read.state.positions, written.state.positions) << "ghosts too";
   EXPECT_EQ(read.state.velocities, written.state.velocities);
   EXPECT_EQ(read.state.force_density, written.state.force_density);
+  EXPECT_EQ(read.state.pulled, written.state.pulled);
+  EXPECT_EQ(read.state.contact_force, written.state.contact_force);
   EXPECT_EQ(read.step_size.step, 0.1 / 3);
   EXPECT_EQ(read.step_size.successes, 2);
   EXPECT_EQ(read.step_size.patience, 16);

@@ -1,27 +1,11 @@
 #pragma once
 #include "src/contact/contact_search.hpp"
-
-#include <map>
+#include "src/state/contact_memory.hpp"
 
 namespace taut {
 
-/// Names two features in contact, whichever pairs found them: the vertices in play, in an order of their own,
-/// -1 for none.
-using ContactKey = std::array<Global, 4>;
-
-/// What has been pressed and rubbed between two features: position-level multipliers, kg m (newtons times the
-/// step squared).
-struct Pressed {
-  double normal = 0;
-  Vec3 tangent = Vec3::Zero();
-
-  Pressed scaled(double factor) const { return {normal * factor, tangent * factor}; }
-};
-
 /// What two steps have in common: an impact is in one of them only.
 Pressed lasting(const Pressed& before, const Pressed& now);
-
-using PressedMap = std::map<ContactKey, Pressed>;
 
 /// One scalar condition between the vertices of a pair: its left side is direction . sum_i weights[i] y_i.
 struct ContactRow {

@@ -10,12 +10,12 @@ namespace taut {
 
 namespace {
 
-constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
+constexpr int most_products = 40;    ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.15; ///< of the limit, by a program
-constexpr double gap_left = 0.1;    ///< by a program, of what a free vertex falls in a step
-constexpr double slip_left = 0.03;  ///< the same
-constexpr double slack = 1.0;       ///< of the thickness: how far a target may leave a search
-constexpr int patience = 6;         ///< iterations until stuck vertices are let go
+constexpr double gap_left = 0.1;     ///< by a program, of what a free vertex falls in a step
+constexpr double slip_left = 0.03;   ///< the same
+constexpr double slack = 1.0;        ///< of the thickness: how far a target may leave a search
+constexpr int patience = 6;          ///< iterations until stuck vertices are let go
 
 SolverOptions solver_options(const config::Inextensibility& options) {
   return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
@@ -60,8 +60,8 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, doub
       gravity_(input.gravity.norm()), max_step_(input.time.max_step), leave_(cloth.mesh.edges.owned),
       gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
       shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
-      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.owned),
-      guess_(pulled_), pulled_before_(pulled_), pulled_proposed_(pulled_) {
+      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()),
+      guess_(cloth.mesh.edges.owned) {
   const double most = 0.5 * shortest_edge(cloth);
   if (thickness_ > most)
     throw InputError(
@@ -89,7 +89,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
     }
     make_rows();
     project(strain, report);
-    propose_contact_forces(candidate); // before another search renumbers what the rows refer to
+    note_contact_forces(candidate); // before another search renumbers what the rows refer to
     report.contacts = std::max(report.contacts, contacts_);
     ++report.iterations;
     if (!report.failure.empty()) break;
@@ -111,13 +111,18 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
     const double was_behind = std::exchange(behind, distance_behind());
     if (alpha < 1 && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
   }
-  for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
-    candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt;
-  for (std::size_t e = 0; e < mu_.size(); ++e)
-    candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt * dt);
-  for (std::size_t e = 0; e < shift_.size(); ++e) pulled_proposed_[e] = pulled_[e] / (dt * dt);
-  proposed_step_ = start.step;
+  propose(candidate);
   return report;
+}
+
+void ContactProjection::propose(Candidate& candidate) const {
+  for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
+    candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt_;
+  for (std::size_t e = 0; e < mu_.size(); ++e) {
+    candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt_ * dt_);
+    candidate.pulled[e] = pulled_[e] / (dt_ * dt_);
+  }
+  candidate.contacts = bring_home(cloth_.mesh, noted_);
 }
 
 void ContactProjection::begin(const State& start, double dt, std::span<const char> prescribed,
@@ -125,18 +130,12 @@ void ContactProjection::begin(const State& start, double dt, std::span<const cha
   dt_ = dt;
   recovery_ = std::min(1.0, dt / max_step_);
   fall_ = gravity_ > 0 ? std::min(thickness_, gravity_ * dt * dt) : thickness_;
-  if (start.step == proposed_step_ + 1) { // the proposal was accepted
-    pressed_before_ = pressed_proposed_;
-    carried_before_ = carried_proposed_;
-    pulled_before_ = pulled_proposed_;
-  }
-  for (std::size_t e = 0; e < pulled_.size(); ++e) {
-    guess_[e] = pulled_before_[e] * dt * dt;
-    pulled_[e] = 0;
-  }
-  proposed_step_ = -1;
+  for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
+  std::fill(pulled_.begin(), pulled_.end(), 0.0);
+  at_home_ = start.contacts;
+  noted_.clear();
   pressed_.clear();
-  for (const auto& [key, carried] : carried_before_) pressed_[key] = carried.scaled(dt * dt);
+  pressed_before_.clear();
   blocked_.clear();
   start_.cloth = start.positions;
   obstacles_.place(start.time, start_.obstacles);
@@ -201,26 +200,43 @@ Pressed ContactProjection::before(const ContactKey& key) const {
   return found == pressed_before_.end() ? Pressed{} : found->second.scaled(dt_ * dt_);
 }
 
-/// Of the contacts at the end of the step: what pressed them, and what of it lasts (per dt^2, newtons); the
+/// Of the contacts with rows: what has pressed them so far, and what of it lasts (per dt^2, newtons); the
 /// latter also as forces on vertices.
-void ContactProjection::propose_contact_forces(Candidate& candidate) {
-  pressed_proposed_.clear();
-  carried_proposed_.clear();
+void ContactProjection::note_contact_forces(Candidate& candidate) {
+  noted_.clear();
+  candidate.contact_force.assign(candidate.contact_force.size(), Vec3::Zero());
+  if (contacts_ == 0) return;
   std::vector<Vec3> forces(search_.size(), Vec3::Zero());
   for (const ContactRow& row : rows_) {
     if (!row.is_normal) continue;
     const Pressed now = pressed_[row.key].scaled(1 / (dt_ * dt_));
     if (now.normal <= 0) continue;
-    pressed_proposed_[row.key] = now;
     const auto found = pressed_before_.find(row.key);
-    if (found == pressed_before_.end()) continue;
-    const Pressed carried = carried_proposed_[row.key] = lasting(found->second, now);
+    const Pressed carried = found == pressed_before_.end() ? Pressed{} : lasting(found->second, now);
+    noted_[row.key] = {now, carried};
     for (int i = 0; i < 4; ++i)
       forces[row.vertices[i]] += row.weights[i] * (carried.normal * row.direction + carried.tangent);
   }
   search_.accumulate(forces);
   std::copy(forces.begin(), forces.begin() + search_.own(), candidate.contact_force.begin());
   cloth_.mesh.vertex_halo.update(candidate.contact_force);
+}
+
+/// Fetches what the last step left of contacts that have their first row in this one, and lets all start from
+/// it.
+void ContactProjection::recall_contacts() {
+  std::vector<ContactKey> keys;
+  for (const ContactRow& row : rows_)
+    if (!pressed_.contains(row.key)) keys.push_back(row.key);
+  for (const auto& [key, entry] : hand_out(cloth_.mesh, at_home_, keys)) {
+    pressed_before_[key] = entry.pressed;
+    pressed_[key] = entry.carried.scaled(dt_ * dt_);
+  }
+  for (ContactRow& row : rows_) {
+    const double so_far = pressed_[row.key].normal;
+    row.lower = -so_far;
+    if (iteration_ == 1) row.guess = std::max(-so_far, before(row.key).normal - so_far);
+  }
 }
 
 void ContactProjection::make_rows() {
@@ -234,6 +250,7 @@ void ContactProjection::make_rows() {
       rows_.end());
   const std::size_t normals = rows_.size();
   contacts_ = sum_over(comm_, Global(normals));
+  if (contacts_ > 0) recall_contacts();
   for (std::size_t k = 0; k < normals; ++k) add_friction_rows(ContactRow(rows_[k]));
 }
 
@@ -253,11 +270,8 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return; // nothing here can be moved
   const ContactKey key = key_of(pair, here, search_.keys());
-  const auto found = pressed_.find(key);
-  const double so_far = found == pressed_.end() ? 0.0 : found->second.normal;
-  const double guess = iteration_ == 1 ? std::max(-so_far, before(key).normal - so_far) : 0.0;
-  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, wanted - gap, -so_far, HUGE_VAL,
-                   gap_left * fall_, guess, key, true});
+  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, wanted - gap, 0.0, HUGE_VAL,
+                   gap_left * fall_, 0.0, key, true});
   rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
 }
 

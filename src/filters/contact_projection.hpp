@@ -20,6 +20,13 @@ namespace taut {
 /// multiplier of at most the coefficient times the normal one of the iteration before (in the first
 /// iteration, of the step before).
 ///
+/// The filter remembers nothing from step to step: what the last one pressed, carried and pulled is part of
+/// the state (`State::contacts`, `State::pulled`), in newtons, because the next step may be of another size.
+/// When a rank makes the first row of a contact in a step, it fetches the contact's entry from its home; at
+/// the end of the step each rank sends home what its rows pressed. So the memory depends neither on the
+/// partition nor on who found a contact before; two ranks that find the same one share its entry, and what
+/// has no row at the end of a step is forgotten.
+///
 /// Without a contact in reach it is Fast Projection, to the last digit.
 class ContactProjection : public VelocityFilter {
 public:
@@ -43,9 +50,10 @@ private:
   void look();
   double strain_at_target(std::span<const char> prescribed);
   Pressed before(const ContactKey& key) const;
-  void propose_contact_forces(Candidate& candidate);
+  void note_contact_forces(Candidate& candidate);
   double recovered(double gap) const;
   void make_rows();
+  void recall_contacts();
   void add_normal_row(const Pair& pair, const Approach& here);
   double pressing(const ContactRow& normal) const;
   void add_friction_rows(const ContactRow& normal);
@@ -56,6 +64,7 @@ private:
   double step_length();
   void advance_safe(double alpha);
   void free_stuck();
+  void propose(Candidate& candidate) const;
   std::string what_stopped() const;
 
   MPI_Comm comm_;
@@ -86,16 +95,14 @@ private:
   std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
   std::vector<Local> stuck_;         ///< pairs that stopped it last
   std::vector<ContactRow> rows_;
-  PressedMap pressed_;
+  ContactMemory at_home_;     ///< of the last step, what no rank has asked for yet
+  ContactMemory noted_;       ///< of this step, what rows of this rank pressed
+  PressedMap pressed_;        ///< by the step's programs and what is carried, kg m
+  PressedMap pressed_before_; ///< by the last step, N
   std::vector<Vec3> gradient_;
   std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;
-
-  std::vector<double> pulled_, guess_; ///< by the step's programs on owned edges, kg m; where they start
-  std::vector<double> pulled_before_, pulled_proposed_; ///< as pressed_before_, pressed_proposed_
-  PressedMap carried_before_, carried_proposed_;        ///< what of them lasts and is in State::contact_force
-  PressedMap pressed_before_;   ///< over the last accepted step, divided by its dt^2: newtons
-  PressedMap pressed_proposed_; ///< the same, over the step that was proposed last
-  Global proposed_step_ = -1;
+  std::vector<double> pulled_; ///< by the step's programs on local edges, kg m
+  std::vector<double> guess_;  ///< where the first of them starts, on owned edges
 };
 
 } // namespace taut

@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
 #include "src/config/case.hpp"
+#include "src/state/contact_memory.hpp"
 
 namespace taut {
 
@@ -13,7 +14,7 @@ struct Cloth {
   std::vector<double> rest_length; ///< m, of local edges
 };
 
-/// What changes: fields over [owned | ghosts], ghosts current.
+/// What changes: fields over [owned | ghosts], ghosts current, and what is remembered of contacts.
 struct State {
   double time = 0;                   ///< s
   Global step = 0;                   ///< accepted steps so far
@@ -21,20 +22,25 @@ struct State {
   std::vector<Vec3> velocities;      ///< m/s
   std::vector<Vec3> contact_force;   ///< N, of local vertices: what of it lasted through the last step
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
+  std::vector<double> pulled{};      ///< N, of local edges: by the projections with contact of the last step
+  ContactMemory contacts{};          ///< of the last step, at their homes
 
   /// The step before, for bdf2; empty where there was none, and for the other integrators.
   std::vector<Vec3> previous_positions{}, previous_velocities{};
   double previous_dt = 0; ///< s, from there to here; 0: the next step is one of implicit Euler
 };
 
-/// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)` and
-/// `visit.on_edges(name, field)`. A new field of the state needs a line here and nothing else.
+/// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)`,
+/// `visit.on_edges(name, field)` and `visit.on_contacts(name, memory)`. A new field of the state needs a line
+/// here and nothing else.
 template<class S, class V>
 void visit_fields(S& state, V& visit) {
   visit.on_vertices("positions", state.positions);
   visit.on_vertices("velocities", state.velocities);
   visit.on_vertices("contact_force", state.contact_force);
   visit.on_edges("force_density", state.force_density);
+  visit.on_edges("pulled", state.pulled);
+  visit.on_contacts("contacts", state.contacts);
   if (state.previous_dt > 0) {
     visit.on_vertices("previous_positions", state.previous_positions);
     visit.on_vertices("previous_velocities", state.previous_velocities);
@@ -46,6 +52,8 @@ struct Candidate {
   std::vector<Vec3> velocities; ///< those that lead from the start of the step to its end
   std::vector<Vec3> contact_force;
   std::vector<double> force_density;
+  std::vector<double> pulled{}; ///< zero, and no contacts, unless a filter says otherwise
+  ContactMemory contacts{};
   std::vector<Vec3> end_velocities{}; ///< those at the end, where they are others; else empty
 };
 

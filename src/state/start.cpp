@@ -55,6 +55,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
+  state.pulled.assign(mesh.edges.size(), 0.0);
   return state;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Global format = 1;
+constexpr Global format = 2;
 constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
 
 /// Everything in a checkpoint but the case, once, for writing and for reading.
@@ -58,6 +58,19 @@ public:
   template<class T>
   void on_edges(const char* name, const std::vector<T>& field) {
     write_field<T>(name, mesh_.edge_order, field);
+  }
+  void on_contacts(const std::string& name, const ContactMemory& contacts) {
+    std::vector<Global> keys;
+    std::vector<double> forces;
+    for (const auto& [key, entry] : contacts) {
+      keys.insert(keys.end(), key.begin(), key.end());
+      for (const Pressed& p : {entry.pressed, entry.carried})
+        forces.insert(forces.end(), {p.normal, p.tangent.x(), p.tangent.y(), p.tangent.z()});
+    }
+    const auto mine = Global(contacts.size());
+    const Slab rows{exclusive_sum(mesh_.comm, mine), mine, sum_over(mesh_.comm, mine)};
+    file_.write<Global>(name + "/keys", keys, 4, rows);
+    file_.write<double>(name + "/forces", forces, 8, rows);
   }
 
 private:
@@ -107,10 +120,34 @@ public:
     read_field(name, mesh_.edge_order, field, mesh_.edges.size());
     mesh_.edge_halo.update(field);
   }
+  void on_contacts(const std::string& name, ContactMemory& contacts) {
+    const std::string keys_name = name + "/keys";
+    const Slab rows = slab_of(file_.rows(keys_name), size_of(mesh_.comm), rank_of(mesh_.comm));
+    const std::vector<ContactKey> keys = read_keys(keys_name, rows);
+    const auto forces = read_rows<std::array<double, 8>>(name + "/forces", rows);
+    ContactMemory read;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const auto& f = forces[i];
+      read[keys[i]] = {{f[0], Vec3(f[1], f[2], f[3])}, {f[4], Vec3(f[5], f[6], f[7])}};
+    }
+    contacts = bring_home(mesh_, read);
+  }
 
 private:
+  std::vector<ContactKey> read_keys(const std::string& name, Slab rows) const {
+    if (file_.columns(name) != 4) refuse(name, "it does not have 4 columns");
+    const std::vector<Global> numbers = file_.read<Global>(name, rows);
+    std::vector<ContactKey> keys(rows.count);
+    for (std::size_t i = 0; i < numbers.size(); ++i) keys[i / 4][i % 4] = numbers[i];
+    const bool sound = std::all_of(keys.begin(), keys.end(), [&](const ContactKey& key) {
+      return lowest_vertex(key) >= 0 && lowest_vertex(key) < mesh_.vertices.total;
+    });
+    if (any_of(mesh_.comm, !sound)) refuse(name, "it names a contact without the cloth");
+    return keys;
+  }
+
   template<class T>
-  std::vector<T> read_rows(const char* name, Slab rows) {
+  std::vector<T> read_rows(const std::string& name, Slab rows) {
     constexpr int columns = sizeof(T) / sizeof(double);
     if (file_.columns(name) != columns) refuse(name, fmt::format("it does not have {} columns", columns));
     const std::vector<double> numbers = file_.read<double>(name, rows);
@@ -127,7 +164,7 @@ private:
     field.resize(size);
     order.from_slab<T>(rows, field);
   }
-  [[noreturn]] void refuse(const char* name, const std::string& reason) const {
+  [[noreturn]] void refuse(const std::string& name, const std::string& reason) const {
     throw InputError(fmt::format("{}: {}: {}; this is no sound checkpoint of the run", file_.path().string(),
                                  name, reason));
   }

@@ -23,11 +23,10 @@ StepStart Integrator::start(const State& state, double dt) {
   const double ratio = has_past ? dt / state.previous_dt : 0.0;
   if (!has_past || ratio > longest_ratio) return {state, dt};
   const double euler_dt = (1 + ratio) / (1 + 2 * ratio) * dt;
+  extrapolated_ = state;
   extrapolate(state.positions, state.previous_positions, ratio, extrapolated_.positions);
   extrapolate(state.velocities, state.previous_velocities, ratio, extrapolated_.velocities);
-  extrapolated_.force_density = state.force_density;
   extrapolated_.time = state.time + dt - euler_dt;
-  extrapolated_.step = state.step;
   return {extrapolated_, euler_dt};
 }
 

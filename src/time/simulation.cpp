@@ -130,6 +130,8 @@ Simulation::Attempt Simulation::attempt(double dt) {
   StepRecord& record = attempt.record;
   record.dt = dt;
   candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
+  candidate_.pulled.assign(state_.pulled.size(), 0.0);
+  candidate_.contacts.clear();
   candidate_.end_velocities.clear();
   candidate_.force_density.resize(state_.force_density.size());
   const StepStart start = integrator_.start(state_, dt);
@@ -188,6 +190,8 @@ void Simulation::accept(double time, double dt) {
             candidate_.end_velocities.empty() ? candidate_.velocities : candidate_.end_velocities);
   std::swap(state_.contact_force, candidate_.contact_force);
   std::swap(state_.force_density, candidate_.force_density);
+  std::swap(state_.pulled, candidate_.pulled);
+  std::swap(state_.contacts, candidate_.contacts);
   state_.time = time;
   ++state_.step;
 }
