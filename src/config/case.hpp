@@ -18,6 +18,10 @@ enum class LinearSolver { cg, mumps };
 enum class InextensibilityMethod { fast_projection, none };
 enum class ContactModel { constraint, none };
 enum class CheckAt { frame, step, none };
+enum class GridCells { quads, triangles, alternating_triangles };
+enum class ShearModel { baraff_witkin, diagonals };
+enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
+enum class RestAngles { flat, mesh };
 enum class PartitionMethod { metis, stripes };
 enum class Field { position, velocity, owner_rank, strain, tension };
 
@@ -28,6 +32,14 @@ constexpr std::array<std::string_view, 2> words_of(InextensibilityMethod) {
 }
 constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
+constexpr std::array<std::string_view, 3> words_of(GridCells) {
+  return {"quads", "triangles", "alternating_triangles"};
+}
+constexpr std::array<std::string_view, 2> words_of(ShearModel) { return {"baraff_witkin", "diagonals"}; }
+constexpr std::array<std::string_view, 4> words_of(BendingModel) {
+  return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
+}
+constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
 constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
 constexpr std::array<std::string_view, 5> words_of(Field) {
   return {"position", "velocity", "owner_rank", "strain", "tension"};
@@ -38,6 +50,7 @@ constexpr std::array<std::string_view, 5> words_of(Field) {
 struct Grid {
   Vec2 size = Vec2::Ones();          ///< m
   std::array<int, 2> vertices{2, 2}; ///< along x, along y
+  GridCells cells = GridCells::quads;
   bool operator==(const Grid&) const = default;
 };
 
@@ -70,9 +83,16 @@ struct Damping {
 };
 
 struct Material {
-  double density = 0.2;  ///< kg/m^2, kg/m on a line
-  double bending = 1e-5; ///< N m, N m^2 on a line
-  double shear = 10;     ///< N/m
+  double density = 0.2;                      ///< kg/m^2, kg/m on a line
+  double bending = 1e-5;                     ///< N m, N m^2 on a line
+  std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
+  std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
+  RestAngles rest_angles = RestAngles::flat;
+  double shear = 10; ///< N/m
+  ShearModel shear_model = ShearModel::baraff_witkin;
+  double stretch = 0;                 ///< N/m, N on a line
+  std::optional<double> stretch_weft; ///< N/m; absent: as `stretch`
+  Vec2 stretch_target = Vec2::Ones(); ///< lengths of warp and weft over those of the rest shape
   Damping damping;
   bool operator==(const Material&) const = default;
 };

@@ -39,6 +39,8 @@ void describe(V& v, Is<Grid> auto& g) {
     {.range = at_least(2),
      .presence = Presence::required,
      .meaning = "numbers of vertices along x and y; row i, column j is vertex i*nx + j"});
+  v("cells", g.cells,
+    {.meaning = "quads; or triangles, all cut along the same diagonal or along both in turn"});
 }
 
 template<class V>
@@ -76,10 +78,35 @@ void describe(V& v, Is<Material> auto& m) {
   v("density", m.density, {.unit = Unit::cloth_density, .range = positive, .meaning = "mass per area"});
   v("bending", m.bending,
     {.unit = Unit::cloth_bending, .range = not_negative, .meaning = "bending stiffness"});
+  v("bending_weft", m.bending_weft,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .computed_default = "bending",
+     .meaning = "bending stiffness of weft threads"});
+  v("bending_model", m.bending_model,
+    {.computed_default = "yarn, or isometric on a mesh with triangles",
+     .meaning = "what resists bending: curvature of each yarn, or the fold over each edge between faces: its "
+                "isometric quadratic form, discrete shells, or the angle of Baraff and Witkin"});
+  v("rest_angles", m.rest_angles,
+    {.meaning = "angle over an edge that does not bend: none, or that of the mesh (discrete_shells)"});
   v("shear", m.shear,
     {.unit = Unit::newton_per_metre,
      .range = not_negative,
      .meaning = "shear stiffness, per radian of shear angle"});
+  v("shear_model", m.shear_model,
+    {.meaning = "what resists shear: the angle between warp and weft, or the diagonals of quads as springs"});
+  v("stretch", m.stretch,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .meaning = "stretch stiffness of warp and weft, per strain; for cloth without inextensibility"});
+  v("stretch_weft", m.stretch_weft,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .computed_default = "stretch",
+     .meaning = "stretch stiffness of weft threads"});
+  v("stretch_target", m.stretch_target,
+    {.range = positive,
+     .meaning = "lengths of warp and weft that the stretch stiffness pulls to, over those at rest"});
   v("damping", m.damping, {.meaning = "Rayleigh damping"});
 }
 

@@ -65,14 +65,15 @@ void AxisCholesky::collect(const VertexMatrix& matrix) {
       ++value;
     }
   }
-  for (const VertexMatrix::RankOne& r : matrix.rank_ones())
-    for (int a = 0; a < 4; ++a) {
+  matrix.for_each_rank_one([&](const auto& r) {
+    for (std::size_t a = 0; a < r.vertices.size(); ++a) {
       const Local row = r.vertices[a];
       if (row >= pattern_.rows()) continue;
       diagonal_[row] += r.gradient[a].squaredNorm() / 3.0;
-      for (int b = 0; b < 4; ++b)
+      for (std::size_t b = 0; b < r.vertices.size(); ++b)
         if (r.vertices[b] < row) *entry(row, r.vertices[b]) += r.gradient[a].dot(r.gradient[b]) / 3.0;
     }
+  });
 }
 
 void AxisCholesky::leave_out(std::span<const char> prescribed) {

@@ -52,8 +52,10 @@ public:
     matrix_.add_outer<n>(slots, w, dt_ * dt_ * k + dt_ * d);
   }
 
-  /// K += k g g^T and D += d g g^T over a stencil of up to four vertices (see VertexMatrix::RankOne).
-  void add_rank_one(const std::array<Local, 4>& vertices, std::array<Vec3, 4> gradient, double k, double d) {
+  /// K += k g g^T and D += d g g^T over a stencil of up to four, or six, vertices (see
+  /// VertexMatrix::RankOneOver).
+  template<std::size_t n>
+  void add_rank_one(const std::array<Local, n>& vertices, std::array<Vec3, n> gradient, double k, double d) {
     const double scale = std::sqrt(dt_ * dt_ * k + dt_ * d);
     for (Vec3& g : gradient) g *= scale;
     matrix_.add_rank_one(vertices, gradient);

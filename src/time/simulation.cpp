@@ -2,12 +2,8 @@
 
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/fast_projection.hpp"
-#include "src/forces/air_drag.hpp"
-#include "src/forces/bending.hpp"
-#include "src/forces/carried_tension.hpp"
-#include "src/forces/gravity.hpp"
-#include "src/forces/shear.hpp"
 #include "src/state/start.hpp"
+#include "src/time/make_forces.hpp"
 
 #include <fmt/format.h>
 
@@ -16,20 +12,6 @@
 namespace taut {
 
 namespace {
-
-Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input) {
-  const config::Material& material = cloth.material;
-  Forces forces;
-  forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
-  forces.push_back(
-      std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
-  forces.push_back(std::make_unique<QuadShear>(cloth, pattern, material.shear, material.damping.stiffness));
-  if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.inextensibility.carried_tension &&
-      input.inextensibility.method != config::InextensibilityMethod::none)
-    forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
-  return forces;
-}
 
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Case& input) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
