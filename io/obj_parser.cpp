@@ -154,25 +154,28 @@ private:
     }
   }
 
-  /// Once all points are known. Numbers without any `vt` mean nothing.
+  /// Once all points are known. Without any `vt` their numbers mean nothing.
   void resolve_texture() {
-    const auto has_texture = [&](std::size_t c) { return texture_numbers_[c][0] >= 0; };
-    const auto is_face = [&](std::size_t c) { return file_.cells[c].size() > 2; };
-    std::size_t textured = 0;
-    for (std::size_t c = 0; c < file_.cells.size(); ++c) textured += has_texture(c);
-    if (texture_points_.empty() || textured == 0) return;
-    for (std::size_t c = 0; c < file_.cells.size(); ++c) {
-      Corners2& corners = file_.texture.emplace_back();
-      for (Vec2& corner : corners) corner.setZero();
-      for (int k = 0; k < file_.cells[c].size() && is_face(c); ++k) {
-        const Global number = texture_numbers_[c][k];
-        if (number < 0 || number >= Global(texture_points_.size()))
-          fail(file_.cell_lines[c],
-               "a corner of this face has no texture coordinates, but others have; give all "
-               "corners a/b with a 'vt' line for b, or none");
-        corners[k] = texture_points_[number];
-      }
+    if (texture_points_.empty()) return;
+    const auto named = [](const std::array<Global, 4>& numbers) { return numbers[0] >= 0; };
+    if (std::ranges::none_of(texture_numbers_, named)) return;
+    for (std::size_t c = 0; c < file_.cells.size(); ++c) file_.texture.push_back(texture_of(c));
+  }
+
+  /// Zero for a cell of which a corner has none.
+  Corners2 texture_of(std::size_t cell) const {
+    Corners2 corners{Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+    const auto numbers = std::span(texture_numbers_[cell]).first(std::size_t(file_.cells[cell].size()));
+    if (std::ranges::min(numbers) < 0) return corners;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (numbers[k] >= Global(texture_points_.size()))
+        fail(file_.cell_lines[cell],
+             fmt::format("texture coordinates {} do not exist, the file has {}; correct the "
+                         "number",
+                         numbers[k] + 1, texture_points_.size()));
+      corners[k] = texture_points_[numbers[k]];
     }
+    return corners;
   }
 
   TextScanner scanner_;

@@ -43,8 +43,9 @@ struct MeshSlab {
   Slab cells;                       ///< which cells `cell` holds
   std::vector<Vec3> rest_positions; ///< m
   std::vector<Cell> cell;
-  std::vector<Corners2> texture; ///< material coordinates of the corners of each cell, as in the file: u
-                                 ///< along warp, v along weft; empty if the mesh has none
+  std::vector<Corners2>
+      texture; ///< material coordinates of the corners of each cell, as in the file: u
+               ///< along warp, v along weft; zero for a cell without; empty if no cell has any
   std::vector<Global>
       vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
   std::vector<Global> cell_lines; ///< the same for cells

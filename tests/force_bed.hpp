@@ -45,7 +45,7 @@ struct Bed {
   State at(const WholeState& whole) const {
     const IndexMap &vertices = cloth.mesh.vertices, &edges = cloth.mesh.edges;
     return {state_time, 0, local(vertices, whole.positions), local(vertices, whole.velocities),
-            local(edges, whole.force_density)};
+            local(edges, whole.force_density), {}};
   }
 };
 

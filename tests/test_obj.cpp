@@ -138,12 +138,17 @@ TEST(ObjParser, ReadsTextureCoordinatesOfCorners) {
   EXPECT_TRUE(parse_obj(square + "f 1/1 2/2 3/3\n", "file.obj").texture.empty()); // no vt at all
 }
 
-TEST(ObjParser, RefusesTextureCoordinatesOfSomeCornersOnly) {
-  const std::string fault =
-      "file.obj:7: a corner of this face has no texture coordinates, but others have; give "
-      "all corners a/b with a 'vt' line for b, or none";
-  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/1 2/1 3/1\nf 1 2 3\n"), fault);
-  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/1 2/1 3/1\nf 1/1 2/2 3/1\n"), fault);
+TEST(ObjParser, AllowsFacesWithoutTextureCoordinates) {
+  const ObjFile file = parse_obj(square + "vt 1 2\nf 1/1 2/1 3/1\nf 1 2 3\nf 1/1 2 3\n", "file.obj");
+  EXPECT_EQ(file.texture[0][2], Vec2(1, 2));
+  for (const int untextured : {1, 2}) {
+    for (const Vec2& corner : file.texture[untextured]) EXPECT_EQ(corner, Vec2(0, 0));
+  }
+}
+
+TEST(ObjParser, RefusesTextureCoordinatesThatAreNotThere) {
+  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/1 2/2 3/1\n"),
+            "file.obj:6: texture coordinates 2 do not exist, the file has 1; correct the number");
   EXPECT_EQ(parse_error(square + "vt 0\n"),
             "file.obj:5: texture coordinates need two numbers; write 'vt u v'");
 }

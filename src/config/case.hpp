@@ -15,6 +15,7 @@
 namespace taut::config {
 
 enum class LinearSolver { cg, mumps };
+enum class ConstraintSolver { projected, modified_cg };
 enum class InextensibilityMethod { fast_projection, none };
 enum class ContactModel { constraint, none };
 enum class CheckAt { frame, step, none };
@@ -23,7 +24,7 @@ enum class ShearModel { baraff_witkin, diagonals };
 enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
 enum class RestAngles { flat, mesh };
 enum class PartitionMethod { metis, stripes };
-enum class Field { position, velocity, owner_rank, strain, tension };
+enum class Field { position, velocity, owner_rank, strain, tension, reaction };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -40,9 +41,10 @@ constexpr std::array<std::string_view, 4> words_of(BendingModel) {
   return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
 }
 constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
+constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
 constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
-constexpr std::array<std::string_view, 5> words_of(Field) {
-  return {"position", "velocity", "owner_rank", "strain", "tension"};
+constexpr std::array<std::string_view, 6> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction"};
 }
 
 /// A rectangle in the plane z = 0: row i, column j is vertex i * vertices[0] + j; columns along x (warp),
@@ -134,6 +136,8 @@ struct Pin {
   std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, box and near is there
   std::optional<Box> box;
   std::optional<std::vector<Vec3>> near; ///< m
+  std::optional<Vec3> along;             ///< free to slide along this axis, of any length
+  std::optional<Vec3> plane;             ///< free to slide in the plane with this normal, of any length
   std::vector<Keyframe> motion;          ///< times increase strictly; empty: the pin rests
   std::optional<double> release;         ///< s; absent: never
   bool operator==(const Pin&) const = default;
@@ -210,6 +214,7 @@ struct Velocity {
   LinearSolver solver = LinearSolver::cg;
   double tolerance = 1e-4;
   int max_iterations = 1000;
+  ConstraintSolver constraints = ConstraintSolver::projected;
   bool operator==(const Velocity&) const = default;
 };
 
@@ -237,8 +242,8 @@ struct Checkpoint {
 };
 
 struct Output {
-  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
-                            Field::tension};
+  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank,
+                            Field::strain,   Field::tension,  Field::reaction};
   bool operator==(const Output&) const = default;
 };
 

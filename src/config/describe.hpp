@@ -162,6 +162,9 @@ void describe(V& v, Is<Pin> auto& p) {
   v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
   v("box", p.box, {.meaning = "all vertices whose start position is inside"});
   v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("along", p.along, {.meaning = "axis along which the vertices may slide; none: they are held"});
+  v("plane", p.plane,
+    {.meaning = "normal of the plane in which the vertices may slide; none: they are held"});
   v("motion", p.motion,
     {.meaning = "keyframes; linear between them, constant before and after; none: at rest"});
   v("release", p.release,
@@ -171,6 +174,9 @@ void describe(V& v, Is<Pin> auto& p) {
      .meaning = "when the pin lets go"});
   v.check("vertices", !p.vertices || !p.vertices->empty(), "must not be empty; a pin holds something");
   v.check("near", !p.near || !p.near->empty(), "must not be empty; a pin holds something");
+  v.check("along", !p.along || !p.along->isZero(0), "must not be zero; a line needs a direction");
+  v.check("plane", !p.plane || !p.plane->isZero(0), "must not be zero; a plane needs a normal");
+  v.check("plane", !p.plane || !p.along, "must not be given together with along; give one of them");
   v.check("motion", increasing(p.motion), "times must increase from keyframe to keyframe; sort them");
 }
 
@@ -271,6 +277,10 @@ void describe(V& v, Is<Velocity> auto& s) {
   v("tolerance", s.tolerance, {.range = fraction, .meaning = "relative residual at which cg stops"});
   v("max_iterations", s.max_iterations,
     {.range = at_least(1), .meaning = "most iterations of cg in a solve"});
+  v("constraints", s.constraints,
+    {.meaning = "how pins enter cg: the matrix is projected, or its vectors are filtered (modified CG)"});
+  v.check("constraints", s.constraints == ConstraintSolver::projected || s.solver == LinearSolver::cg,
+          "modified_cg is a form of cg; mumps needs projected");
 }
 
 template<class V>

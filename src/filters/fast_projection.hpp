@@ -9,10 +9,10 @@ namespace taut {
 ///
 ///     (J W J^T + a) d_mu = C(x) - a mu,   x <- x - W J^T d_mu,   mu <- mu + d_mu,
 ///
-/// with C = |d|^2/l - l on every constrained edge, J = dC/dx and W the inverse masses (0 where the
-/// velocity is prescribed). mu = h^2 lambda is the tension of the step, that carried from the last one
-/// included: the force density of an edge is q = 2 mu / (l h^2), in N/m. Linear momentum of a free cloth is
-/// kept to round-off whatever the accuracy of the linear solver.
+/// with C = |d|^2/l - l on every constrained edge, J = dC/dx and W = S_i / m_i the inverse masses in the
+/// directions in which vertices may move. mu = h^2 lambda is the tension of the step, that carried from the
+/// last one included: the force density of an edge is q = 2 mu / (l h^2), in N/m. Linear momentum of a free
+/// cloth is kept to round-off whatever the accuracy of the linear solver.
 ///
 /// a = 4 l c / h^2 lets an edge stretch by the strain c per newton of tension. Without it a thread pulled
 /// straight between two pins makes the system singular: what little it may sag asks for a tension without
@@ -26,15 +26,14 @@ public:
   /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   FastProjection(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
   double compliance() const { return compliance_; } ///< c, in 1/N
 
 private:
-  void start(double dt, std::span<const char> prescribed, const Candidate& candidate);
-  double evaluate(std::span<const char> prescribed);
-  void correct(double dt, Candidate& candidate);
+  void start(double dt, const Freedom& freedom, const Candidate& candidate);
+  double evaluate(const Freedom& freedom);
+  void correct(double dt, const Freedom& freedom, Candidate& candidate);
 
   const Cloth& cloth_;
   config::Inextensibility options_;

@@ -56,7 +56,7 @@ void YarnBending::add_to(StepSystem& system, const State& state) const {
   for (const Stencil& s : stencils_) {
     const Vec3 sum = weighted_sum(s.vertices, s.weights, state.positions);
     for (int k = 0; k < 3; ++k) system.add_force(s.vertices[k], -s.weights[k] * sum);
-    system.add_outer<3>(s.slots, s.weights, 1.0, damping_);
+    system.add_outer<3>(s.vertices, s.slots, s.weights, 1.0, damping_);
   }
 }
 

@@ -43,7 +43,7 @@ void DiagonalSprings::add_to(StepSystem& system, const State& state) const {
     system.add_force(a, tension * n);
     system.add_force(b, -tension * n);
     const double across = std::clamp((tension + drag) / length, 0.0, s.stiffness);
-    system.add_outer<2>(s.slots, {-1, 1}, across, 0.0);
+    system.add_outer<2>(s.vertices, s.slots, {-1, 1}, across, 0.0);
     system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()},
                         s.stiffness - across, damping_ * s.stiffness);
   }

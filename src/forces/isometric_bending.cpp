@@ -40,7 +40,7 @@ void IsometricBending::add_to(StepSystem& system, const State& state) const {
     constexpr std::size_t n = std::tuple_size_v<std::decay_t<decltype(s.vertices)>>;
     const Vec3 sum = s.sum(state.positions);
     for (std::size_t k = 0; k < n; ++k) system.add_force(s.vertices[k], -s.weights[k] * sum);
-    system.template add_outer<n>(s.slots, s.weights, 1.0, damping_);
+    system.template add_outer<n>(s.vertices, s.slots, s.weights, 1.0, damping_);
   });
 }
 

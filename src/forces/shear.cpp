@@ -80,7 +80,7 @@ void Shear::add_to(StepSystem& system, const State& state) const {
     const double f = e.stiffness * (c + damping_ * rate);
     std::array<double, 4> half;
     for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (f > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
-    system.add_outer<4>(e.slots, half, 0.5 * std::abs(f), 0.0);
+    system.add_outer<4>(e.vertices, e.slots, half, 0.5 * std::abs(f), 0.0);
   }
 }
 

@@ -104,7 +104,7 @@ void Stretch::add_to(StepSystem& system, const State& state) const {
     for (int k = 0; k < 3; ++k) system.add_force(v[k], -tension * c[k] * direction);
     // k n n^T + across (I - n n^T), n the direction, as across I + (k - across) n n^T.
     const double across = std::clamp((tension + drag) / length, 0.0, e.stiffness);
-    system.add_outer<3>(e.slots, c, across, 0.0);
+    system.add_outer<3>(e.tangent.vertices, e.slots, c, across, 0.0);
     system.add_rank_one(std::array<Local, 4>{v[0], v[1], v[2], v[0]},
                         {c[0] * direction, c[1] * direction, c[2] * direction, Vec3::Zero()},
                         e.stiffness - across, damping_ * e.stiffness);

@@ -71,8 +71,7 @@ void AssembledMatrix::collect_blocks(const FilteredOperator& filtered) {
   for (Local row = 0; row < pattern_.rows(); ++row) {
     Mat3* block = blocks_.data() + pattern_.offset(row);
     for (const Local column : pattern_.columns(row)) {
-      if (filtered.prescribed()[row] || filtered.prescribed()[column])
-        *block = row == column ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero());
+      *block = filtered.filtered(row, column, *block);
       ++block;
     }
   }

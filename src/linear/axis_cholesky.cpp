@@ -14,11 +14,11 @@ AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
   diagonal_.resize(pattern.rows());
 }
 
-void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
+void AxisCholesky::factor(const VertexMatrix& matrix, const Freedom& freedom) {
   constexpr double least_shift = 0.1; // a smaller one leaves factors that are whole but poor
   for (double shift = 0;; shift = std::max(2 * shift, least_shift)) {
     collect(matrix);
-    leave_out(prescribed);
+    leave_out(freedom);
     for (double& d : diagonal_) d *= 1 + shift;
     if (eliminate()) return;
   }
@@ -76,11 +76,11 @@ void AxisCholesky::collect(const VertexMatrix& matrix) {
   });
 }
 
-void AxisCholesky::leave_out(std::span<const char> prescribed) {
+void AxisCholesky::leave_out(const Freedom& freedom) {
   for (Local row = 0; row < pattern_.rows(); ++row) {
-    if (prescribed[row]) diagonal_[row] = 1.0;
+    if (freedom.is_held(row)) diagonal_[row] = 1.0;
     for (std::int32_t a = offsets_[row]; a < offsets_[row + 1]; ++a)
-      if (prescribed[row] || prescribed[columns_[a]]) lower_[a] = 0.0;
+      if (freedom.is_held(row) || freedom.is_held(columns_[a])) lower_[a] = 0.0;
   }
 }
 

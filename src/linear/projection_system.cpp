@@ -153,6 +153,11 @@ ProjectionSystem::~ProjectionSystem() = default;
 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                                 std::span<const double> shift) {
+  assemble(gradient, inverse_mass, Freedom(inverse_mass.size()), shift);
+}
+
+void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
+                                const Freedom& freedom, std::span<const double> shift) {
   Petsc& p = *petsc_;
   std::fill(p.rows.own.values.begin(), p.rows.own.values.end(), 0.0);
   std::fill(p.rows.ghost.values.begin(), p.rows.ghost.values.end(), 0.0);
@@ -160,10 +165,12 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
   for (Local e = 0; e < mesh_.edges.owned; ++e) {
     const auto& [a, b] = mesh_.edge_vertices[e];
     const Vec3& g = gradient[e];
-    const double mobility = inverse_mass[a] + inverse_mass[b];
-    p.rows.value(p.rows.diagonal[e]) = mobility > 0 ? mobility * g.squaredNorm() + shift[e] : 1.0;
+    const double mobility = inverse_mass[a] * freedom.allowed(a, g).squaredNorm() +
+                            inverse_mass[b] * freedom.allowed(b, g).squaredNorm();
+    p.rows.value(p.rows.diagonal[e]) = mobility > 0 ? mobility + shift[e] : 1.0;
     for_each_coupling(mesh_, e, [&](Local vertex, Local other, double sign) {
-      p.rows.value(*coupling++) += sign * inverse_mass[vertex] * g.dot(gradient[other]);
+      p.rows.value(*coupling++) +=
+          sign * inverse_mass[vertex] * freedom.allowed(vertex, g).dot(gradient[other]);
     });
   }
   p.update_blocks();

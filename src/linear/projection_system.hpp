@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
 #include "src/linear/solver_options.hpp"
+#include "src/state/freedom.hpp"
 
 #include <memory>
 
@@ -17,10 +18,14 @@ public:
   ProjectionSystem(const DistributedMesh& mesh, const SolverOptions& options);
   ~ProjectionSystem();
 
-  /// `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its first), for all
-  /// local edges; `inverse_mass` is 0 at vertices that may not move, for all local vertices; `shift` is a,
-  /// for owned edges. An edge between two vertices that may not move gets the row mu = b: give it 0.
-  /// Collective.
+  /// W = S_i / m_i: `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its
+  /// first), for all local edges; `inverse_mass` is 1 / m_i, or 0 at vertices that may not move, for all
+  /// local vertices; `shift` is a, for owned edges. An edge that no motion changes gets the row mu = b: give
+  /// it 0. Collective.
+  void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass, const Freedom& freedom,
+                std::span<const double> shift);
+
+  /// The same with S_i = I for all vertices.
   void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                 std::span<const double> shift);
 

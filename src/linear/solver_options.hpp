@@ -9,8 +9,14 @@ struct SolverOptions {
     cg,    ///< preconditioned conjugate gradients
     mumps, ///< distributed Cholesky factorisation
   };
+  /// How velocities that are prescribed are kept, where there are any.
+  enum class Constraints {
+    projected, ///< the matrix is restricted to the free directions [Ascher and Boxerman 2003]
+    filtered   ///< each vector of CG is [BW98 section 5.2]
+  };
   Kind kind = Kind::cg;
   int max_iterations = 1000;
+  Constraints constraints = Constraints::projected;
 };
 
 struct SolveReport {

@@ -20,6 +20,7 @@ struct State {
   std::vector<Vec3> positions;       ///< m, of local vertices
   std::vector<Vec3> velocities;      ///< m/s
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
+  std::vector<Vec3> reaction;        ///< N, of owned vertices: with what their pin acts on them
 };
 
 /// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)` and
@@ -35,6 +36,7 @@ void visit_fields(S& state, V& visit) {
 struct Candidate {
   std::vector<Vec3> velocities;
   std::vector<double> force_density;
+  std::vector<Vec3> reaction;
 };
 
 /// Derives masses and lengths. Collective.

@@ -56,6 +56,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   for (Vec3& x : state.positions) x = turn * x + start.translate;
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
+  state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
   return state;
 }
 

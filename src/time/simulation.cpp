@@ -47,7 +47,7 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       pins_(cloth_, input, state_.positions), pattern_(cloth_.mesh),
       forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
       integrator_(cloth_, pattern_, forces_, input.velocity), step_size_(input.time),
-      end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
+      end_positions_(state_.positions.size()), freedom_(state_.positions.size()),
       start_depth_(lowest(cloth_, state_.positions, down_)) {}
 
 void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
@@ -102,16 +102,16 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.velocities = state_.velocities;
   candidate_.force_density.resize(state_.force_density.size());
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
-    candidate_.force_density[e] =
-        inextensibility_.carried_tension ? std::max(state_.force_density[e], 0.0) : 0.0;
-  pins_.prescribe(state_, dt, prescribed_, candidate_.velocities);
-  const SolveReport predicted = integrator_.predict(state_, dt, prescribed_, candidate_.velocities);
+    candidate_.force_density[e] = carried(state_.force_density[e]);
+  pins_.prescribe(state_, dt, freedom_, candidate_.velocities);
+  const SolveReport predicted =
+      integrator_.predict(state_, dt, freedom_, candidate_.velocities, candidate_.reaction);
   record.velocity_iterations = predicted.iterations;
   record.seconds.velocity = watch.lap();
   if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
 
   for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
-    const FilterReport filtered = filters_[k]->apply(state_, dt, prescribed_, candidate_);
+    const FilterReport filtered = filters_[k]->apply(state_, dt, freedom_, candidate_);
     record.iterations += filtered.iterations;
     record.linear_iterations += filtered.linear_iterations;
     record.contacts = std::max(record.contacts, filtered.contacts);
@@ -120,6 +120,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   }
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
     end_positions_[i] = state_.positions[i] + dt * candidate_.velocities[i];
+  add_pull_of_filters();
   record.strain = measure_strain(cloth_, end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
 
@@ -130,21 +131,40 @@ Simulation::Attempt Simulation::attempt(double dt) {
   return attempt;
 }
 
+/// Prescribed velocities are kept by the prediction, which knows the tension carried into the step, and
+/// against what filters add to it.
+void Simulation::add_pull_of_filters() {
+  pull_.resize(state_.force_density.size());
+  for (std::size_t e = 0; e < pull_.size(); ++e)
+    pull_[e] = candidate_.force_density[e] - carried(state_.force_density[e]);
+  pins_.add_pull(cloth_, freedom_, end_positions_, pull_, candidate_.reaction);
+}
+
+/// What the prediction carries of a force density of the step before.
+double Simulation::carried(double force_density) const {
+  return inextensibility_.carried_tension ? std::max(force_density, 0.0) : 0.0;
+}
+
 void Simulation::accept(double time) {
   std::swap(state_.positions, end_positions_);
   std::swap(state_.velocities, candidate_.velocities);
   std::swap(state_.force_density, candidate_.force_density);
+  std::swap(state_.reaction, candidate_.reaction);
   state_.time = time;
   ++state_.step;
 }
 
 void Simulation::measure(StepRecord& record) const {
+  const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reaction);
   std::vector<double> sums(1 + forces_.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
   for (std::size_t k = 0; k < forces_.size(); ++k) sums[1 + k] = forces_[k]->energy(state_);
+  for (const Vec3& f : pins) sums.insert(sums.end(), f.begin(), f.end());
   sum_in_place(comm_, sums);
-  record.energies = {sums[0], {sums.begin() + 1, sums.end()}};
+  const auto potentials = sums.begin() + 1, forces = potentials + std::ptrdiff_t(forces_.size());
+  record.energies = {sums[0], {potentials, forces}};
+  for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);
   record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
 }
 

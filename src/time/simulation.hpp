@@ -48,6 +48,8 @@ private:
   };
   static bool never() { return false; }
   Attempt attempt(double dt);
+  void add_pull_of_filters();
+  double carried(double force_density) const;
   void accept(double time);
   void measure(StepRecord& record) const;
 
@@ -65,7 +67,8 @@ private:
   Global rejected_steps_ = 0;
   Candidate candidate_;
   std::vector<Vec3> end_positions_;
-  std::vector<char> prescribed_;
+  std::vector<double> pull_; ///< force densities that filters added, N/m
+  Freedom freedom_;
   double start_depth_ = 0;
 };
 
