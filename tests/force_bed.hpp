@@ -44,8 +44,12 @@ struct Bed {
 
   State at(const WholeState& whole) const {
     const IndexMap &vertices = cloth.mesh.vertices, &edges = cloth.mesh.edges;
-    return {state_time, 0, local(vertices, whole.positions), local(vertices, whole.velocities),
-            local(edges, whole.force_density), {}};
+    return {state_time,
+            0,
+            local(vertices, whole.positions),
+            local(vertices, whole.velocities),
+            std::vector<Vec3>(vertices.size(), Vec3::Zero()),
+            local(edges, whole.force_density)};
   }
 };
 

@@ -129,6 +129,11 @@ MISTAKES = [
            "starts"),
     pinned("vertex_in_two_pins", "[{vertices: [0]}, {near: [[0, 0, 0]]}]",
            "taut: case.yaml: pins.1: vertex 0 is held by pins.0 already; a vertex can belong to one pin only"),
+    Mistake("sliding_pins_of_icd", "taut: --set inextensibility={method: icd, solver: mumps}: inextensibility: "
+            "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose solver "
+            "cg",
+            options=("--set", "pins=[{vertices: [0], along: [1, 0, 0]}]", "--set",
+                     "inextensibility={method: icd, solver: mumps}")),
     pinned("all_pinned", "[{box: {min: [0, 0, 0], max: [1, 1, 0]}}]",
            "taut: case.yaml: pins: all 25 vertices are pinned, so nothing is left to move; pin fewer"),
     pinned("pins_stretch_an_edge", "[{vertices: [0]}, {vertices: [1], motion: [{time: 0, translate: [0.2, 0, 0]}]}]",

@@ -63,7 +63,7 @@ gravity: [0, 0, -1.62]
 air: {wind: [20 km/h, 0, 0], drag: 0.5, gust: {speed: 1, length: 2, period: 3}}
 time: {end: 2 min, frame_rate: 25 Hz, max_step: 3 ms, min_step: 1 us}
 velocity: {solver: mumps, tolerance: 1e-8, max_iterations: 7}
-inextensibility: {method: none, strain: 1 %, solver: mumps, max_iterations: 3, carried_tension: false, compliance: 0.1}
+inextensibility: {method: icd, strain: 1 %, solver: mumps, max_iterations: 3, carried_tension: false, compliance: 0.1}
 partition: {method: stripes}
 output: {fields: [tension, position]}
 )";
@@ -463,10 +463,10 @@ TEST(Changes, AreToldKeyByKey) {
   const auto changes = changes_between(before, read_case(text, "case.yaml", overrides));
   std::vector<std::string> words;
   for (const KeyChange& c : changes) words.push_back(c.key + ": " + c.before + " -> " + c.after);
-  EXPECT_THAT(words, testing::IsSupersetOf({"time.end: 1 -> 2", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
-                                            "pins.1.release: 2 -> 0.5",
-                                            "pins.0.motion.0.translate: none -> [0, 0, 1]",
-                                            "air.drag: none -> 1"}));
+  EXPECT_THAT(words,
+              testing::IsSupersetOf({"time.end: 1 -> 2", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
+                                     "pins.1.release: 2 -> 0.5",
+                                     "pins.0.motion.0.translate: none -> [0, 0, 1]", "air.drag: none -> 1"}));
   for (const KeyChange& c : changes)
     EXPECT_TRUE(c.key.starts_with("time.end") || c.key.starts_with("gravity") || c.key.starts_with("pins.") ||
                 c.key.starts_with("air."))

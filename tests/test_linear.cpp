@@ -218,7 +218,7 @@ TEST_F(ConstrainedSolve, ProjectedAndModifiedCgFindTheSameSolution) {
       {cg, {}}, {cg, {{pc, "pbjacobi"}}}, {cg, {{pc, "jacobi"}}}, {cg, {{pc, "bjacobi"}}}, {mumps, {}}};
   std::vector<SolverOptions> options(solvers.size(), {cg, 1000});
   options.back().kind = mumps;
-  options.push_back({cg, 1000, filtered});
+  options.push_back({.kind = cg, .constraints = filtered});
   for (std::size_t k = 0; k < options.size(); ++k) {
     const OptionsInForce in_force(k < solvers.size() ? solvers[k].options : std::vector<PetscSetting>());
     on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {

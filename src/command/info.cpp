@@ -34,11 +34,14 @@ Global count_frames(const fs::path& folder) {
 
 std::string describe_finished(const fs::path& folder, const Json& s) {
   const auto number = [&](const char* group, const char* key) { return s.at(group).at(key).get<double>(); };
+  const std::string limit = s.at("strain").at("limit").is_null()
+                                ? "none kept"
+                                : fmt::format("limit {:.3g} %", 100 * number("strain", "limit"));
   std::string text = fmt::format(
       "{}: case {}, {} on {} ranks by taut {}\n"
       "  cloth       {} vertices, {} faces, {} constrained edges\n"
       "  time        {:.6g} s in {} steps ({} rejected), {} frames\n"
-      "  strain      {:.3g} % at most (limit {:.3g} %), rms {:.3g} %, 99.9 % of edges below {:.3g} %\n"
+      "  strain      {:.3g} % at most ({}), rms {:.3g} %, 99.9 % of edges below {:.3g} %\n"
       "  projection  {}: {:.2f} iterations a step (at most {}), {:.1f} CG iterations each\n"
       "  velocity    {:.1f} CG iterations a step\n"
       "  partition   {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n"
@@ -48,13 +51,13 @@ std::string describe_finished(const fs::path& folder, const Json& s) {
       s.at("ranks").get<int>(), s.at("version").get<std::string>(), s.at("vertices").get<Global>(),
       s.at("faces").get<Global>(), s.at("constraints").get<Global>(), s.at("end_time").get<double>(),
       s.at("steps").get<Global>(), s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(),
-      100 * number("strain", "max"), 100 * number("strain", "limit"), 100 * number("strain", "rms"),
-      100 * number("strain", "p999"), s.at("projection").at("method").get<std::string>(),
-      number("projection", "iterations_mean"), number("projection", "iterations_max"),
-      number("projection", "ksp_iterations_mean"), number("velocity", "ksp_iterations_mean"),
-      number("partition", "edge_cut"), number("partition", "imbalance"), number("partition", "ghosts_max"),
-      number("seconds", "total"), number("seconds", "setup"), number("seconds", "velocity"),
-      number("seconds", "projection"), number("seconds", "output"), number("memory_bytes", "sum") / 1e6);
+      100 * number("strain", "max"), limit, 100 * number("strain", "rms"), 100 * number("strain", "p999"),
+      s.at("projection").at("method").get<std::string>(), number("projection", "iterations_mean"),
+      number("projection", "iterations_max"), number("projection", "ksp_iterations_mean"),
+      number("velocity", "ksp_iterations_mean"), number("partition", "edge_cut"),
+      number("partition", "imbalance"), number("partition", "ghosts_max"), number("seconds", "total"),
+      number("seconds", "setup"), number("seconds", "velocity"), number("seconds", "projection"),
+      number("seconds", "output"), number("memory_bytes", "sum") / 1e6);
   if (const auto reason = s.at("reason").get<std::string>(); !reason.empty())
     text += "  stopped     " + reason + "\n";
   return text;

@@ -16,7 +16,20 @@ namespace taut::config {
 
 enum class LinearSolver { cg, mumps };
 enum class ConstraintSolver { projected, modified_cg };
-enum class InextensibilityMethod { fast_projection, none };
+enum class Integrator { implicit_euler, bdf2, imex };
+enum class InextensibilityMethod {
+  fast_projection,
+  icd,
+  sap,
+  shake,
+  rattle,
+  jacobi,
+  gauss_seidel,
+  xpbd,
+  springs,
+  none
+};
+enum class ShakeMatrix { newton, lagged };
 enum class ContactModel { constraint, none };
 enum class CheckAt { frame, step, none };
 enum class GridCells { quads, triangles, alternating_triangles };
@@ -28,9 +41,12 @@ enum class Field { position, velocity, owner_rank, strain, tension, reaction };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
-constexpr std::array<std::string_view, 2> words_of(InextensibilityMethod) {
-  return {"fast_projection", "none"};
+constexpr std::array<std::string_view, 3> words_of(Integrator) { return {"implicit_euler", "bdf2", "imex"}; }
+constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
+  return {"fast_projection", "icd",          "sap",  "shake",   "rattle",
+          "jacobi",          "gauss_seidel", "xpbd", "springs", "none"};
 }
+constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
 constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(GridCells) {
@@ -207,6 +223,7 @@ struct Time {
   double frame_rate = 30; ///< Hz
   double max_step = 0.01; ///< s
   double min_step = 1e-6; ///< s
+  Integrator integrator = Integrator::implicit_euler;
   bool operator==(const Time&) const = default;
 };
 
@@ -218,13 +235,40 @@ struct Velocity {
   bool operator==(const Velocity&) const = default;
 };
 
+/// Of methods shake and rattle.
+struct Shake {
+  ShakeMatrix matrix = ShakeMatrix::newton;
+  bool operator==(const Shake&) const = default;
+};
+
+/// Of methods jacobi and gauss_seidel.
+struct Limiting {
+  int max_sweeps = 5000;
+  bool must_reach_limit = true;
+  bool operator==(const Limiting&) const = default;
+};
+
+struct Xpbd {
+  int substeps = 20;
+  bool operator==(const Xpbd&) const = default;
+};
+
+struct Springs {
+  double stiffness = 1000; ///< N
+  bool operator==(const Springs&) const = default;
+};
+
 struct Inextensibility {
   InextensibilityMethod method = InextensibilityMethod::fast_projection;
   double strain = 0.01;
   LinearSolver solver = LinearSolver::cg;
   int max_iterations = 20;
   bool carried_tension = true;
-  std::optional<double> compliance; ///< 1/N; absent: see FastProjection
+  std::optional<double> compliance; ///< 1/N; absent: see EdgeConstraints
+  std::optional<Shake> shake;       ///< the blocks of single methods; absent: their defaults
+  std::optional<Limiting> limiting;
+  std::optional<Xpbd> xpbd;
+  std::optional<Springs> springs;
   bool operator==(const Inextensibility&) const = default;
 };
 

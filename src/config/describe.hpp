@@ -2,6 +2,7 @@
 #include "src/config/case.hpp"
 #include "src/config/fabrics.hpp"
 #include "src/config/key.hpp"
+#include "src/config/methods.hpp"
 
 #include <algorithm>
 #include <concepts>
@@ -258,6 +259,8 @@ void describe(V& v, Is<Air> auto& a) {
 
 template<class V>
 void describe(V& v, Is<Time> auto& t) {
+  v("integrator", t.integrator,
+    {.meaning = "time stepping: first order, second order, or first order with loads taken explicitly"});
   v("end", t.end, {.unit = Unit::second, .range = positive, .meaning = "simulated time to run"});
   v("frame_rate", t.frame_rate,
     {.unit = Unit::hertz, .range = positive, .meaning = "frames written per second"});
@@ -284,6 +287,38 @@ void describe(V& v, Is<Velocity> auto& s) {
 }
 
 template<class V>
+void describe(V& v, Is<Shake> auto& s) {
+  v("matrix", s.matrix,
+    {.meaning = "newton: made in every iteration; lagged: once a step, and again where convergence fails"});
+}
+
+template<class V>
+void describe(V& v, Is<Limiting> auto& l) {
+  v("max_sweeps", l.max_sweeps, {.range = at_least(1), .meaning = "most sweeps over all edges in a step"});
+  v("must_reach_limit", l.must_reach_limit,
+    {.meaning = "false: the strain that max_sweeps leave is accepted, and reported"});
+}
+
+template<class V>
+void describe(V& v, Is<Xpbd> auto& x) {
+  v("substeps", x.substeps, {.range = at_least(1), .meaning = "substeps of a step, with one sweep each"});
+}
+
+template<class V>
+void describe(V& v, Is<Springs> auto& s) {
+  v("stiffness", s.stiffness,
+    {.unit = Unit::newton, .range = positive, .meaning = "tension of an edge per strain"});
+}
+
+/// A key that the method does not use must not be set.
+template<class V>
+void check_use(V& v, std::string_view name, bool left_alone, bool used, InextensibilityMethod method) {
+  v.check(name, left_alone || used,
+          fmt::format("method {} does not use it; remove it, or choose another method",
+                      words_of(method)[std::size_t(method)]));
+}
+
+template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("strain", i.strain, {.range = fraction, .meaning = "largest strain of an edge that is left"});
@@ -296,7 +331,24 @@ void describe(V& v, Is<Inextensibility> auto& i) {
      .computed_default = "from the weight of the cloth",
      .meaning = "strain of an edge per newton of its tension; by default that of a taut thread which bears "
                 "the whole "
-                "cloth is a tenth of the limit"});
+                "cloth is a tenth of the limit; of xpbd: 0"});
+  v("shake", i.shake, {.computed_default = "its defaults", .meaning = "options of methods shake and rattle"});
+  v("limiting", i.limiting,
+    {.computed_default = "its defaults", .meaning = "options of methods jacobi and gauss_seidel"});
+  v("xpbd", i.xpbd, {.computed_default = "its defaults", .meaning = "options of method xpbd"});
+  v("springs", i.springs, {.computed_default = "its defaults", .meaning = "options of method springs"});
+  using enum InextensibilityMethod;
+  const Inextensibility standard;
+  const bool projects = is_projection(i.method);
+  check_use(v, "solver", i.solver == standard.solver, projects, i.method);
+  check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
+  check_use(v, "carried_tension", i.carried_tension == standard.carried_tension, is_filter(i.method),
+            i.method);
+  check_use(v, "compliance", !i.compliance, projects || i.method == xpbd, i.method);
+  check_use(v, "shake", !i.shake, i.method == shake || i.method == rattle, i.method);
+  check_use(v, "limiting", !i.limiting, is_limiting(i.method), i.method);
+  check_use(v, "xpbd", !i.xpbd, i.method == xpbd, i.method);
+  check_use(v, "springs", !i.springs, i.method == springs, i.method);
 }
 
 template<class V>
@@ -337,6 +389,26 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
+  v.check(
+      "time",
+      c.time.integrator == Integrator::implicit_euler ||
+          c.inextensibility.method != InextensibilityMethod::xpbd,
+      "integrator is not used by inextensibility.method xpbd, which has its own time stepping; remove it");
+  v.check("time", c.time.integrator != Integrator::bdf2 || !c.has_contact(),
+          "integrator bdf2 does not go with contact, as its steps begin beside the path of the cloth; choose "
+          "implicit_euler or imex");
+  v.check("inextensibility",
+          c.inextensibility.method == InextensibilityMethod::fast_projection || !c.has_contact(),
+          "contact goes with method fast_projection only, of which it is a part; choose that method, or "
+          "contact.model: none");
+  v.check(
+      "inextensibility",
+      c.inextensibility.solver != LinearSolver::mumps ||
+          (c.inextensibility.method != InextensibilityMethod::icd &&
+           c.inextensibility.method != InextensibilityMethod::sap) ||
+          std::none_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.along || p.plane; }),
+      "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
+      "solver cg");
   v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
           "must be a word without '/'; it names a folder");
 }

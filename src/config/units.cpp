@@ -23,6 +23,7 @@ constexpr std::array names{
     UnitName{Unit::cloth_bending, "N m (N m^2 on a line)", "bending stiffness", "N m (N m^2 on a line)",
              "10 uN m"},
     UnitName{Unit::cloth_stretch, "N/m (N on a line)", "stretch stiffness", "N/m (N on a line)", "500 N/m"},
+    UnitName{Unit::newton, "N", "force", "newtons", "10 N"},
     UnitName{Unit::newton_per_metre, "N/m", "shear stiffness", "N/m", "10 N/m"},
     UnitName{Unit::per_newton, "1/N", "compliance", "1/N", "1e-4 1/N"},
 };
@@ -57,6 +58,8 @@ constexpr std::array scales{
     Scale{Unit::cloth_bending, "N m^2"},
     Scale{Unit::cloth_stretch, "N/m"},
     Scale{Unit::cloth_stretch, "N"},
+    Scale{Unit::newton, "N"},
+    Scale{Unit::newton, "kN", 1000, 1},
     Scale{Unit::newton_per_metre, "N/m"},
     Scale{Unit::per_newton, "1/N"},
 };

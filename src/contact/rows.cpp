@@ -4,6 +4,13 @@
 
 namespace taut {
 
+Pressed lasting(const Pressed& before, const Pressed& now) {
+  Pressed both{std::min(before.normal, now.normal), Vec3::Zero()};
+  const double along = now.tangent.dot(before.tangent), length = now.tangent.norm();
+  if (along > 0) both.tangent = std::min(1.0, along / (length * length)) * now.tangent;
+  return both;
+}
+
 ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Global> keys) {
   // First the features with fewer vertices, then the lower numbers, so that one contact has one name.
   std::vector<Global> a, b;

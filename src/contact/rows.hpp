@@ -14,7 +14,13 @@ using ContactKey = std::array<Global, 4>;
 struct Pressed {
   double normal = 0;
   Vec3 tangent = Vec3::Zero();
+
+  Pressed scaled(double factor) const { return {normal * factor, tangent * factor}; }
 };
+
+/// What two steps have in common: an impact is in one of them only.
+Pressed lasting(const Pressed& before, const Pressed& now);
+
 using PressedMap = std::map<ContactKey, Pressed>;
 
 /// One scalar condition between the vertices of a pair: its left side is direction . sum_i weights[i] y_i.

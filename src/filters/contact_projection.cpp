@@ -114,11 +114,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt;
   for (std::size_t e = 0; e < mu_.size(); ++e)
     candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt * dt);
-  pressed_proposed_ = pressed_;
-  for (auto& [key, p] : pressed_proposed_) {
-    p.normal /= dt * dt;
-    p.tangent /= dt * dt;
-  }
+  propose_contact_forces(candidate);
   for (std::size_t e = 0; e < shift_.size(); ++e) pulled_proposed_[e] = pulled_[e] / (dt * dt);
   proposed_step_ = start.step;
   return report;
@@ -130,6 +126,7 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   fall_ = gravity_ > 0 ? std::min(thickness_, gravity_ * dt * dt) : thickness_;
   if (start.step == proposed_step_ + 1) { // the proposal was accepted
     pressed_before_ = pressed_proposed_;
+    carried_before_ = carried_proposed_;
     pulled_before_ = pulled_proposed_;
   }
   for (std::size_t e = 0; e < pulled_.size(); ++e) {
@@ -138,6 +135,7 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   }
   proposed_step_ = -1;
   pressed_.clear();
+  for (const auto& [key, carried] : carried_before_) pressed_[key] = carried.scaled(dt * dt);
   blocked_.clear();
   start_.cloth = start.positions;
   obstacles_.place(start.time, start_.obstacles);
@@ -196,8 +194,29 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
 /// What the step before pressed, for the present step size.
 Pressed ContactProjection::before(const ContactKey& key) const {
   const auto found = pressed_before_.find(key);
-  if (found == pressed_before_.end()) return {};
-  return {found->second.normal * dt_ * dt_, found->second.tangent * dt_ * dt_};
+  return found == pressed_before_.end() ? Pressed{} : found->second.scaled(dt_ * dt_);
+}
+
+/// Of the contacts at the end of the step: what pressed them, and what of it lasts (per dt^2, newtons); the
+/// latter also as forces on vertices.
+void ContactProjection::propose_contact_forces(Candidate& candidate) {
+  pressed_proposed_.clear();
+  carried_proposed_.clear();
+  std::vector<Vec3> forces(search_.size(), Vec3::Zero());
+  for (const ContactRow& row : rows_) {
+    if (!row.is_normal) continue;
+    const Pressed now = pressed_[row.key].scaled(1 / (dt_ * dt_));
+    if (now.normal <= 0) continue;
+    pressed_proposed_[row.key] = now;
+    const auto found = pressed_before_.find(row.key);
+    if (found == pressed_before_.end()) continue;
+    const Pressed carried = carried_proposed_[row.key] = lasting(found->second, now);
+    for (int i = 0; i < 4; ++i)
+      forces[row.vertices[i]] += row.weights[i] * (carried.normal * row.direction + carried.tangent);
+  }
+  search_.accumulate(forces);
+  std::copy(forces.begin(), forces.begin() + search_.own(), candidate.contact_force.begin());
+  cloth_.mesh.vertex_halo.update(candidate.contact_force);
 }
 
 void ContactProjection::make_rows() {
@@ -228,10 +247,10 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   if (mobility == 0) return; // nothing here can be moved
   const ContactKey key = key_of(pair, here, search_.keys());
   const auto found = pressed_.find(key);
-  const double guess = iteration_ == 1 ? before(key).normal : 0.0;
-  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap,
-                   found == pressed_.end() ? 0.0 : -found->second.normal, HUGE_VAL, gap_left * fall_, guess,
-                   key, true});
+  const double so_far = found == pressed_.end() ? 0.0 : found->second.normal;
+  const double guess = iteration_ == 1 ? std::max(-so_far, before(key).normal - so_far) : 0.0;
+  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap, -so_far, HUGE_VAL,
+                   gap_left * fall_, guess, key, true});
   rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
 }
 
@@ -264,7 +283,7 @@ void ContactProjection::add_friction_rows(const ContactRow& normal) {
   const double rest = std::sqrt(std::max(0.0, most * most - needed.squaredNorm()));
   for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(normal.direction.cross(first)), rest}}) {
     const double so_far = tangent.dot(rubbed);
-    const double guess = iteration_ == 1 ? tangent.dot(before(normal.key).tangent) : 0.0;
+    const double guess = iteration_ == 1 ? tangent.dot(before(normal.key).tangent) - so_far : 0.0;
     if (bound > 0 || so_far != 0)
       rows_.push_back({normal.vertices, normal.weights, tangent, normal.mobility, -tangent.dot(slip),
                        -bound - so_far, bound - so_far, slip_left * fall_, guess, normal.key, false});

@@ -42,6 +42,7 @@ private:
   void look();
   double strain_at_target(const Freedom& freedom);
   Pressed before(const ContactKey& key) const;
+  void propose_contact_forces(Candidate& candidate);
   void make_rows();
   void add_normal_row(const Pair& pair, const Approach& here);
   double pressing(const ContactRow& normal) const;
@@ -85,6 +86,7 @@ private:
 
   std::vector<double> pulled_, guess_; ///< by the step's programs on owned edges, kg m; where they start
   std::vector<double> pulled_before_, pulled_proposed_; ///< as pressed_before_, pressed_proposed_
+  PressedMap carried_before_, carried_proposed_;        ///< what of them lasts and is in State::contact_force
   PressedMap pressed_before_;   ///< over the last accepted step, divided by its dt^2: newtons
   PressedMap pressed_proposed_; ///< the same, over the step that was proposed last
   Global proposed_step_ = -1;

@@ -14,6 +14,7 @@ public:
   AirDrag(const Cloth& cloth, const config::Air& air) : cloth_(cloth), air_(air) {}
 
   std::string_view name() const override { return "air_drag"; }
+  bool is_internal() const override { return false; }
   double energy(const State&) const override { return 0; }
   void add_to(StepSystem& system, const State& state) const override;
 

@@ -13,6 +13,9 @@ public:
 
   virtual std::string_view name() const = 0;
 
+  /// Whether the integrator `imex` takes it implicitly: true of what the cloth does to itself.
+  virtual bool is_internal() const { return true; }
+
   /// Potential energy in J of this rank's share; the sum over ranks counts everything once. 0 for a force
   /// without one.
   virtual double energy(const State& state) const = 0;

@@ -10,6 +10,7 @@ public:
   Gravity(const Cloth& cloth, const Vec3& acceleration) : cloth_(cloth), acceleration_(acceleration) {}
 
   std::string_view name() const override { return "gravity"; }
+  bool is_internal() const override { return false; }
   double energy(const State& state) const override;
   void add_to(StepSystem& system, const State& state) const override;
 

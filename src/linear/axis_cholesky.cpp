@@ -19,7 +19,7 @@ void AxisCholesky::factor(const VertexMatrix& matrix, const Freedom& freedom) {
   for (double shift = 0;; shift = std::max(2 * shift, least_shift)) {
     collect(matrix);
     leave_out(freedom);
-    for (double& d : diagonal_) d *= 1 + shift;
+    for (double& d : diagonal_) d = (1 + shift) * (d > 0 ? d : 1 - d);
     if (eliminate()) return;
   }
 }

@@ -14,8 +14,9 @@ public:
   explicit AxisCholesky(const Pattern& pattern);
 
   /// Held vertices get the identity; those that may move in some directions count as free. If a pivot comes
-  /// out too small, it starts again with a larger diagonal [Manteuffel 1980]. Depends on nothing but its
-  /// arguments, so that a resumed run goes on exactly as the unbroken one. Not collective.
+  /// out too small, it starts again with a larger diagonal [Manteuffel 1980]. A matrix that is not positive
+  /// definite is for the solver to find out: entries of the diagonal below 0 are made positive. Depends on
+  /// nothing but its arguments, so that a resumed run goes on exactly as the unbroken one. Not collective.
   void factor(const VertexMatrix& matrix, const Freedom& freedom);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.

@@ -13,8 +13,12 @@ LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions&
   check(KSPGetPC(ksp_, &pc));
   if (options.kind == SolverOptions::Kind::mumps) {
     check(KSPSetType(ksp_, KSPPREONLY));
-    check(PCSetType(pc, PCCHOLESKY));
+    check(PCSetType(pc, options.matrix == SolverOptions::Matrix::nonsymmetric ? PCLU : PCCHOLESKY));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  } else if (options.matrix == SolverOptions::Matrix::nonsymmetric) {
+    check(KSPSetType(ksp_, KSPGMRES));
+    check(KSPSetPCSide(ksp_, PC_RIGHT)); // so that the norm is that of the residual itself
+    check(PCSetType(pc, preconditioner));
   } else {
     check(KSPSetType(ksp_, KSPCG));
     check(KSPSetNormType(ksp_, KSP_NORM_NATURAL)); // no reduction beyond the two of CG itself

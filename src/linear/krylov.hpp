@@ -5,8 +5,8 @@
 
 namespace taut {
 
-/// A linear solver with the prefix `-<name>_`: CG in the natural norm with PCType `preconditioner`, or MUMPS;
-/// then whatever the PETSc options say.
+/// A linear solver with the prefix `-<name>_`: CG in the natural norm (GMRES for a matrix that is not
+/// symmetric) with PCType `preconditioner`, or MUMPS; then whatever the PETSc options say.
 class LinearSolver {
 public:
   /// Throws InputError for options that PETSc refuses. Collective.

@@ -113,6 +113,8 @@ struct ProjectionSystem::Petsc {
   YarnLinks links;
   YarnBlocks blocks;
   OwnedMat matrix;
+  OwnedMat shell; ///< stands for `operation`; made when it is first needed
+  const Operator* operation = nullptr;
   OwnedVec rhs, solution;
   LinearSolver solver;
   bool yarns_are_factored = false; ///< by solve_yarns
@@ -126,12 +128,24 @@ struct ProjectionSystem::Petsc {
     blocks.matrix.to_segment_before.assign(yarns.knots.size(), 0.0);
   }
 
+  void fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
+            std::span<const Vec3> column_gradient, std::span<const double> inverse_mass,
+            const Freedom& freedom, std::span<const double> shift);
+  SolveReport solve(const DistributedMesh& mesh, Mat system, std::span<const double> b, double tolerance,
+                    std::vector<double>& mu);
+
   void update_blocks() {
     yarns_are_factored = false;
     for (std::size_t e = 0; e < rows.diagonal.size(); ++e)
       blocks.matrix.diagonal[e] = rows.value(rows.diagonal[e]);
     for (const auto& [place, edge] : links.inside) blocks.matrix.to_previous[edge] = rows.value(place);
     for (const auto& [place, knot] : links.between) blocks.matrix.to_segment_before[knot] = rows.value(place);
+  }
+
+  void mark() {
+    Mat own = nullptr, ghost = nullptr;
+    check(MatMPIAIJGetSeqAIJ(matrix, &own, &ghost, nullptr));
+    for (Mat m : {own, ghost, Mat(matrix)}) mark_changed(m);
   }
 };
 
@@ -143,13 +157,32 @@ ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOpti
   check(MatCreateMPIAIJWithSplitArrays(mesh.comm, owned, owned, total, total, own.offsets.data(),
                                        own.columns.data(), own.values.data(), ghost.offsets.data(),
                                        ghost.columns.data(), ghost.values.data(), p.matrix.address()));
-  check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
+  if (options.matrix == SolverOptions::Matrix::positive_definite)
+    check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
   check(MatCreateVecs(p.matrix, p.solution.address(), p.rhs.address()));
   attach(p.matrix, p.blocks);
-  check(KSPSetOperators(p.solver, p.matrix, p.matrix));
 }
 
 ProjectionSystem::~ProjectionSystem() = default;
+
+void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
+                                   std::span<const Vec3> column_gradient,
+                                   std::span<const double> inverse_mass, const Freedom& freedom,
+                                   std::span<const double> shift) {
+  std::fill(rows.own.values.begin(), rows.own.values.end(), 0.0);
+  std::fill(rows.ghost.values.begin(), rows.ghost.values.end(), 0.0);
+  auto coupling = rows.coupling.begin();
+  for (Local e = 0; e < mesh.edges.owned; ++e) {
+    const auto& [a, b] = mesh.edge_vertices[e];
+    const Vec3 at_a = inverse_mass[a] * freedom.allowed(a, row_gradient[e]),
+               at_b = inverse_mass[b] * freedom.allowed(b, row_gradient[e]); // a row of J W
+    const bool can_change = !at_a.isZero(0) || !at_b.isZero(0);
+    rows.value(rows.diagonal[e]) = can_change ? (at_a + at_b).dot(column_gradient[e]) + shift[e] : 1.0;
+    for_each_coupling(mesh, e, [&, a = a](Local vertex, Local other, double sign) {
+      rows.value(*coupling++) += sign * (vertex == a ? at_a : at_b).dot(column_gradient[other]);
+    });
+  }
+}
 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                                 std::span<const double> shift) {
@@ -159,38 +192,34 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                                 const Freedom& freedom, std::span<const double> shift) {
   Petsc& p = *petsc_;
-  std::fill(p.rows.own.values.begin(), p.rows.own.values.end(), 0.0);
-  std::fill(p.rows.ghost.values.begin(), p.rows.ghost.values.end(), 0.0);
-  auto coupling = p.rows.coupling.begin();
-  for (Local e = 0; e < mesh_.edges.owned; ++e) {
-    const auto& [a, b] = mesh_.edge_vertices[e];
-    const Vec3& g = gradient[e];
-    const double mobility = inverse_mass[a] * freedom.allowed(a, g).squaredNorm() +
-                            inverse_mass[b] * freedom.allowed(b, g).squaredNorm();
-    p.rows.value(p.rows.diagonal[e]) = mobility > 0 ? mobility + shift[e] : 1.0;
-    for_each_coupling(mesh_, e, [&](Local vertex, Local other, double sign) {
-      p.rows.value(*coupling++) +=
-          sign * inverse_mass[vertex] * freedom.allowed(vertex, g).dot(gradient[other]);
-    });
-  }
+  p.fill(mesh_, gradient, gradient, inverse_mass, freedom, shift);
   p.update_blocks();
-  Mat own = nullptr, ghost = nullptr;
-  check(MatMPIAIJGetSeqAIJ(p.matrix, &own, &ghost, nullptr));
-  for (Mat m : {own, ghost, Mat(p.matrix)}) mark_changed(m);
+  p.mark();
 }
 
-SolveReport ProjectionSystem::solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu) {
+void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3> columns,
+                                std::span<const double> inverse_mass, const Freedom& freedom,
+                                std::span<const double> shift) {
   Petsc& p = *petsc_;
+  p.fill(mesh_, columns, columns, inverse_mass, freedom, shift);
+  p.update_blocks();
+  p.fill(mesh_, rows, columns, inverse_mass, freedom, shift);
+  p.mark();
+}
+
+SolveReport ProjectionSystem::Petsc::solve(const DistributedMesh& mesh, Mat system, std::span<const double> b,
+                                           double tolerance, std::vector<double>& mu) {
+  check(KSPSetOperators(solver, system, matrix));
   double* values = nullptr;
-  check(VecGetArrayWrite(p.rhs, &values));
-  std::copy(rhs.begin(), rhs.begin() + mesh_.edges.owned, values);
-  check(VecRestoreArrayWrite(p.rhs, &values));
-  const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
+  check(VecGetArrayWrite(rhs, &values));
+  std::copy(b.begin(), b.begin() + mesh.edges.owned, values);
+  check(VecRestoreArrayWrite(rhs, &values));
+  const SolveReport report = solver.solve(rhs, solution, tolerance);
   const double* solved = nullptr;
-  check(VecGetArrayRead(p.solution, &solved));
-  std::copy(solved, solved + mesh_.edges.owned, mu.begin());
-  check(VecRestoreArrayRead(p.solution, &solved));
-  mesh_.edge_halo.update(mu);
+  check(VecGetArrayRead(solution, &solved));
+  std::copy(solved, solved + mesh.edges.owned, mu.begin());
+  check(VecRestoreArrayRead(solution, &solved));
+  mesh.edge_halo.update(mu);
   return report;
 }
 
@@ -199,6 +228,36 @@ void ProjectionSystem::solve_yarns(std::span<const double> b, std::span<double> 
   if (!p.yarns_are_factored) p.blocks.factor.factor(p.blocks.matrix);
   p.yarns_are_factored = true;
   p.blocks.factor.solve(b, x);
+}
+
+SolveReport ProjectionSystem::solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu) {
+  return petsc_->solve(mesh_, petsc_->matrix, rhs, tolerance, mu);
+}
+
+namespace {
+
+PetscErrorCode apply_operation(Mat shell, Vec x, Vec y) {
+  void* operation = nullptr;
+  MatShellGetContext(shell, &operation);
+  return on_arrays(x, y, [operation](std::span<const double> from, std::span<double> to) {
+    (**static_cast<const ProjectionSystem::Operator**>(operation))(from, to);
+  });
+}
+
+} // namespace
+
+SolveReport ProjectionSystem::solve(const Operator& a, std::span<const double> rhs, double tolerance,
+                                    std::vector<double>& mu) {
+  Petsc& p = *petsc_;
+  p.operation = &a;
+  if (!p.shell) {
+    const PetscInt owned = mesh_.edges.owned;
+    check(MatCreateShell(mesh_.comm, owned, owned, PETSC_DETERMINE, PETSC_DETERMINE, &p.operation,
+                         p.shell.address()));
+    check(MatShellSetOperation(p.shell, MATOP_MULT, reinterpret_cast<void (*)()>(apply_operation)));
+    check(MatSetOption(p.shell, MAT_SPD, PETSC_TRUE));
+  }
+  return p.solve(mesh_, p.shell, rhs, tolerance, mu);
 }
 
 } // namespace taut

@@ -3,6 +3,7 @@
 #include "src/linear/solver_options.hpp"
 #include "src/state/freedom.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace taut {
@@ -29,13 +30,26 @@ public:
   void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                 std::span<const double> shift);
 
+  /// As above for S = J' W J^T with other gradients `rows` in J' than in J, `columns`; the options must say
+  /// that the matrix is not symmetric. The preconditioner `yarn` is that of J W J^T. Collective.
+  void assemble(std::span<const Vec3> rows, std::span<const Vec3> columns,
+                std::span<const double> inverse_mass, const Freedom& freedom, std::span<const double> shift);
+
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural
   /// norm. `rhs` holds owned edges. Collective.
   SolveReport solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu);
 
-  /// x = T^-1 b over owned edges, where T is the part of the assembled matrix along yarns: tridiagonal blocks,
-  /// solved exactly across ranks. `b` and `x` may be the same. Collective over neighbours.
+  /// x = T^-1 b over owned edges, where T is the part of the assembled matrix along yarns: tridiagonal
+  /// blocks, solved exactly across ranks. `b` and `x` may be the same. Collective over neighbours.
   void solve_yarns(std::span<const double> b, std::span<double> x);
+
+  /// product = A mu over owned edges; may be collective.
+  using Operator = std::function<void(std::span<const double> mu, std::span<double> product)>;
+
+  /// As `solve`, for a symmetric positive definite A of which the assembled matrix only makes the
+  /// preconditioner. The options must say cg. Collective.
+  SolveReport solve(const Operator& a, std::span<const double> rhs, double tolerance,
+                    std::vector<double>& mu);
 
 private:
   struct Petsc;

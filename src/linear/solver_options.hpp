@@ -6,16 +6,19 @@ namespace taut {
 /// How a linear system is to be solved. PETSc options with the system's prefix change everything else.
 struct SolverOptions {
   enum class Kind {
-    cg,    ///< preconditioned conjugate gradients
-    mumps, ///< distributed Cholesky factorisation
+    cg,    ///< preconditioned conjugate gradients; GMRES where the matrix is not symmetric
+    mumps, ///< distributed factorisation: Cholesky, L D L^T or L U
   };
+  enum class Matrix { positive_definite, indefinite, nonsymmetric };
   /// How velocities that are prescribed are kept, where there are any.
   enum class Constraints {
     projected, ///< the matrix is restricted to the free directions [Ascher and Boxerman 2003]
     filtered   ///< each vector of CG is [BW98 section 5.2]
   };
+
   Kind kind = Kind::cg;
   int max_iterations = 1000;
+  Matrix matrix = Matrix::positive_definite;
   Constraints constraints = Constraints::projected;
 };
 

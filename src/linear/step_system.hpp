@@ -12,6 +12,9 @@ namespace taut {
 /// which is [BW98 eq. 6] with D v and K v taken to the left: f is the force at the positions of the step's
 /// start and for velocity zero, K = -df/dx and D = -df/dv. Forces add what they are made of; the factors h
 /// are put in here. Rows of owned vertices; what is added to ghosts is dropped. Nothing here is collective.
+///
+/// Started as explicit, it leaves out K, and gives the impulse h (f - D v) of forces taken at the step's
+/// start.
 class StepSystem {
 public:
   /// `pattern` must outlive the system; `vertices` is the number of local vertices.
@@ -20,6 +23,7 @@ public:
   /// Starts over, for a step of h = dt seconds.
   void start(double dt) {
     dt_ = dt;
+    stiffness_factor_ = dt * dt;
     matrix_.clear();
     alteration_ = {};
     std::fill(rhs_.begin(), rhs_.end(), Vec3::Zero());
@@ -29,6 +33,11 @@ public:
   /// too, so h K y is taken off the right-hand side for all stiffness added from now on, up to the next
   /// start. `y` in m over local vertices; it must live as long.
   void alter_positions(std::span<const Vec3> y) { alteration_ = y; }
+  /// As `start`, for forces taken at the step's start.
+  void start_explicit(double dt) {
+    start(dt);
+    stiffness_factor_ = 0;
+  }
 
   double dt() const { return dt_; }
 
@@ -46,8 +55,8 @@ public:
   /// K(i, i) += k I and K(i, j) -= k I for an owned vertex i and its neighbour j: its row of a weighted
   /// Laplacian. `slot` is that of (i, j).
   void add_laplacian(Local vertex, Local other, std::int32_t slot, double k) {
-    matrix_.add_diagonal(vertex, dt_ * dt_ * k);
-    matrix_.add_entry(slot, -dt_ * dt_ * k);
+    matrix_.add_diagonal(vertex, stiffness_factor_ * k);
+    matrix_.add_entry(slot, -stiffness_factor_ * k);
     if (!alteration_.empty()) rhs_[vertex] -= dt_ * k * (alteration_[vertex] - alteration_[other]);
   }
 
@@ -56,7 +65,7 @@ public:
   template<std::size_t n>
   void add_outer(const std::array<Local, n>& vertices, const std::array<std::int32_t, n * n>& slots,
                  const std::array<double, n>& w, double k, double d) {
-    matrix_.add_outer<n>(slots, w, dt_ * dt_ * k + dt_ * d);
+    matrix_.add_outer<n>(slots, w, stiffness_factor_ * k + dt_ * d);
     if (alteration_.empty()) return;
     Vec3 sum = Vec3::Zero();
     for (std::size_t a = 0; a < n; ++a) sum += w[a] * alteration_[vertices[a]];
@@ -68,9 +77,16 @@ public:
   template<std::size_t n>
   void add_rank_one(const std::array<Local, n>& vertices, std::array<Vec3, n> gradient, double k, double d) {
     alter(vertices, gradient, k);
-    const double scale = std::sqrt(dt_ * dt_ * k + dt_ * d);
+    const double scale = std::sqrt(stiffness_factor_ * k + dt_ * d);
     for (Vec3& g : gradient) g *= scale;
     matrix_.add_rank_one(vertices, gradient);
+  }
+
+  /// h (f - D v) of owned vertices, of what was added since `start_explicit`; inertia must not have been. `v`
+  /// over local vertices, ghosts current; `impulse` too, of which the owned part is meaningful.
+  void explicit_impulse(std::span<const Vec3> v, std::span<Vec3> impulse) const {
+    matrix_.multiply(v, impulse);
+    for (Local i = 0; i < matrix_.pattern().rows(); ++i) impulse[i] = rhs_[i] - impulse[i];
   }
 
   const VertexMatrix& matrix() const { return matrix_; }
@@ -87,6 +103,7 @@ private:
 
   double dt_ = 0;
   std::span<const Vec3> alteration_;
+  double stiffness_factor_ = 0; ///< dt^2, or 0 for an explicit step
   VertexMatrix matrix_;
   std::vector<Vec3> rhs_;
 };

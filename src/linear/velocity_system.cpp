@@ -29,9 +29,8 @@ struct VelocitySystem::Petsc {
   std::unique_ptr<AssembledMatrix> assembled; ///< only where the solver needs one
   std::vector<Vec3> product;                  ///< A v, over local vertices
 
-  Petsc(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options)
-      : unassembled(mesh, pattern), solver(mesh.comm, "velocity", options, "axis"),
-        product(mesh.vertices.size()) {
+  Petsc(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options, const char* name)
+      : unassembled(mesh, pattern), solver(mesh.comm, name, options, "axis"), product(mesh.vertices.size()) {
     check(MatCreateVecs(unassembled, solution.address(), rhs.address()));
     if (!works_unassembled(solver)) assembled = std::make_unique<AssembledMatrix>(mesh, pattern);
     const bool factorises = options.kind == SolverOptions::Kind::mumps;
@@ -60,8 +59,8 @@ struct VelocitySystem::Petsc {
 };
 
 VelocitySystem::VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern,
-                               const SolverOptions& options)
-    : mesh_(mesh), options_(options), petsc_(std::make_unique<Petsc>(mesh, pattern, options)) {}
+                               const SolverOptions& options, const char* name)
+    : mesh_(mesh), options_(options), petsc_(std::make_unique<Petsc>(mesh, pattern, options, name)) {}
 
 VelocitySystem::~VelocitySystem() = default;
 

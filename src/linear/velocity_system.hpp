@@ -17,8 +17,10 @@ namespace taut {
 /// PETSc matrix of 3 x 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
 class VelocitySystem {
 public:
-  /// `mesh` and `pattern` must outlive the system. Collective.
-  VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options);
+  /// `mesh` and `pattern` must outlive the system.
+  /// `name` gives the prefix of another solver of such systems. Collective.
+  VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options,
+                 const char* name = "velocity");
   ~VelocitySystem();
 
   /// On entry `v` (local vertices, ghosts current) holds the velocity at the start of the step and, in the

@@ -19,8 +19,13 @@ struct State {
   Global step = 0;                   ///< accepted steps so far
   std::vector<Vec3> positions;       ///< m, of local vertices
   std::vector<Vec3> velocities;      ///< m/s
+  std::vector<Vec3> contact_force;   ///< N, of local vertices: what of it lasted through the last step
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
-  std::vector<Vec3> reaction;        ///< N, of owned vertices: with what their pin acts on them
+  std::vector<Vec3> reaction{};      ///< N, of owned vertices: with what their pin acts on them
+
+  /// The step before, for bdf2; empty where there was none, and for the other integrators.
+  std::vector<Vec3> previous_positions{}, previous_velocities{};
+  double previous_dt = 0; ///< s, from there to here; 0: the next step is one of implicit Euler
 };
 
 /// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)` and
@@ -29,14 +34,21 @@ template<class S, class V>
 void visit_fields(S& state, V& visit) {
   visit.on_vertices("positions", state.positions);
   visit.on_vertices("velocities", state.velocities);
+  visit.on_vertices("contact_force", state.contact_force);
   visit.on_edges("force_density", state.force_density);
+  if (state.previous_dt > 0) {
+    visit.on_vertices("previous_positions", state.previous_positions);
+    visit.on_vertices("previous_velocities", state.previous_velocities);
+  }
 }
 
 /// What a step proposes before it is accepted.
 struct Candidate {
-  std::vector<Vec3> velocities;
+  std::vector<Vec3> velocities; ///< those that lead from the start of the step to its end
+  std::vector<Vec3> contact_force;
   std::vector<double> force_density;
-  std::vector<Vec3> reaction;
+  std::vector<Vec3> reaction{};       ///< N, of owned vertices: with what their pin acts on them
+  std::vector<Vec3> end_velocities{}; ///< those at the end, where they are others; else empty
 };
 
 /// Derives masses and lengths. Collective.

@@ -39,6 +39,8 @@ public:
   bool all_free() const {
     return std::all_of(kind_.begin(), kind_.end(), [](char k) { return k == free; });
   }
+  /// Whether a vertex may move in some directions but not in all.
+  bool has_sliding() const { return !projectors_.empty(); }
   bool is_free(Local v) const { return kind_[v] == free; }
   bool is_held(Local v) const { return kind_[v] == held_fast; }
 

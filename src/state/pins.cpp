@@ -1,5 +1,7 @@
 #include "src/state/pins.hpp"
 
+#include "src/config/methods.hpp"
+
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -119,7 +121,7 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
     throw InputError(
         fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
                     input.file.string(), count_));
-  if (input.inextensibility.method != config::InextensibilityMethod::none) check_edges(cloth, input);
+  if (config::holds_limit(input.inextensibility)) check_edges(cloth, input);
 }
 
 /// Distances between points that move along straight lines are largest at keyframes, so it is enough to look

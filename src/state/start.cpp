@@ -55,6 +55,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   const Eigen::AngleAxisd turn(start.rotate.angle, start.rotate.axis.normalized());
   for (Vec3& x : state.positions) x = turn * x + start.translate;
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
+  state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
   state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
   return state;

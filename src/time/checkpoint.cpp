@@ -24,6 +24,7 @@ template<class C, class V>
 void visit_checkpoint(C& checkpoint, V& visit) {
   visit("time", checkpoint.state.time);
   visit("step", checkpoint.state.step);
+  visit("previous_dt", checkpoint.state.previous_dt); // before the fields that are there if it is not 0
   visit("longest_step", checkpoint.step_size.step);
   visit("successes", checkpoint.step_size.successes);
   visit("patience", checkpoint.step_size.patience);

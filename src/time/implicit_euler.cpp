@@ -7,19 +7,24 @@ namespace taut {
 namespace {
 
 SolverOptions solver_options(const config::Velocity& options) {
-  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
-                                                        : SolverOptions::Kind::cg,
-          options.max_iterations,
-          options.constraints == config::ConstraintSolver::projected ? SolverOptions::Constraints::projected
-                                                                     : SolverOptions::Constraints::filtered};
+  using Kind = SolverOptions::Kind;
+  using Constraints = SolverOptions::Constraints;
+  const bool projected = options.constraints == config::ConstraintSolver::projected;
+  return {.kind = options.solver == config::LinearSolver::mumps ? Kind::mumps : Kind::cg,
+          .max_iterations = options.max_iterations,
+          .constraints = projected ? Constraints::projected : Constraints::filtered};
 }
 
 } // namespace
 
 ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
-                             const config::Velocity& options)
+                             const config::Velocity& options, config::Integrator integrator)
     : cloth_(cloth), forces_(forces), tolerance_(options.tolerance),
-      step_(pattern, cloth.mesh.vertices.size()), solver_(cloth.mesh, pattern, solver_options(options)) {}
+      step_(pattern, cloth.mesh.vertices.size()), solver_(cloth.mesh, pattern, solver_options(options)) {
+  if (integrator != config::Integrator::imex) return;
+  loads_.emplace(pattern, cloth.mesh.vertices.size());
+  load_impulse_.resize(cloth.mesh.vertices.size());
+}
 
 SolveReport ImplicitEuler::predict(const State& start, double dt, const Freedom& freedom,
                                    std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
@@ -29,13 +34,23 @@ SolveReport ImplicitEuler::predict(const State& start, double dt, const Freedom&
     step_.add_inertia(i, cloth_.mass[i], start.velocities[i]);
     step_.add_damping(i, damping * cloth_.mass[i]);
   }
-  for (const auto& force : forces_) force->add_to(step_, start);
+  for (const auto& force : forces_)
+    if (!loads_ || force->is_internal()) force->add_to(step_, start);
+  if (loads_) add_explicit_loads(start, dt);
   const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
   reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   if (freedom.all_free()) return report;
   reaction = constraint_impulse(step_.matrix(), step_.rhs(), freedom, velocities);
   for (Vec3& r : reaction) r /= dt;
   return report;
+}
+
+void ImplicitEuler::add_explicit_loads(const State& start, double dt) {
+  loads_->start_explicit(dt);
+  for (const auto& force : forces_)
+    if (!force->is_internal()) force->add_to(*loads_, start);
+  loads_->explicit_impulse(start.velocities, load_impulse_);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) step_.add_force(i, load_impulse_[i] / dt);
 }
 
 } // namespace taut

@@ -4,18 +4,24 @@
 #include "src/state/pins.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace taut {
 
 using Forces = std::vector<std::unique_ptr<Force>>;
 
 /// One linearised implicit-Euler step for the velocities [BW98 eq. 6], pins inside the system [BW98 section
-/// 5].
+/// 5]. BDF2 is made of such steps too: see Integrator.
+///
+/// With IMEX (implicit-explicit) only what the cloth does to itself is implicit: bending, shear, damping,
+/// tension, all that is stiff. Loads, such as gravity and air drag, are those of the step's start, and leave
+/// no trace in the matrix. Drag then limits the step to about twice the mass over the drag coefficient of a
+/// vertex.
 class ImplicitEuler {
 public:
   /// All references must outlive the integrator. Collective.
   ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
-                const config::Velocity& options);
+                const config::Velocity& options, config::Integrator integrator);
 
   /// `velocities` (local) holds the start velocities and, in the directions that `freedom` denies, the
   /// prescribed ones; on exit those at the end of the step, ghosts current. `reaction` (owned vertices): the
@@ -24,10 +30,14 @@ public:
                       std::vector<Vec3>& reaction);
 
 private:
+  void add_explicit_loads(const State& start, double dt);
+
   const Cloth& cloth_;
   const Forces& forces_;
   double tolerance_;
   StepSystem step_;
+  std::optional<StepSystem> loads_; ///< of IMEX
+  std::vector<Vec3> load_impulse_;
   VelocitySystem solver_;
 };
 

@@ -1,13 +1,16 @@
 #include "src/time/make_forces.hpp"
 
+#include "src/config/methods.hpp"
 #include "src/forces/air_drag.hpp"
 #include "src/forces/angle_bending.hpp"
 #include "src/forces/bending.hpp"
+#include "src/forces/carried_contact.hpp"
 #include "src/forces/carried_tension.hpp"
 #include "src/forces/diagonal_springs.hpp"
 #include "src/forces/gravity.hpp"
 #include "src/forces/isometric_bending.hpp"
 #include "src/forces/shear.hpp"
+#include "src/forces/springs.hpp"
 #include "src/forces/stretch.hpp"
 
 #include <fmt/format.h>
@@ -99,9 +102,13 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
     forces.push_back(std::make_unique<Stretch>(
         cloth, pattern,
         StretchMaterial{{material.stretch, weft}, material.stretch_target, material.damping.stiffness}));
+  if (input.inextensibility.method == config::InextensibilityMethod::springs)
+    forces.push_back(std::make_unique<Springs>(
+        cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
+        material.damping.stiffness));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.inextensibility.carried_tension &&
-      input.inextensibility.method != config::InextensibilityMethod::none)
+  if (input.has_contact()) forces.push_back(std::make_unique<CarriedContact>(cloth));
+  if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
     forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
   return forces;
 }

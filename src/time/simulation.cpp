@@ -1,27 +1,30 @@
 #include "src/time/simulation.hpp"
 
+#include "src/config/methods.hpp"
 #include "src/filters/contact_projection.hpp"
-#include "src/filters/fast_projection.hpp"
+#include "src/filters/make_filter.hpp"
 #include "src/state/start.hpp"
 #include "src/time/make_forces.hpp"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace taut {
 
 namespace {
 
-std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Case& input) {
+std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Pattern& pattern,
+                                                          const Case& input) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
   double mass = 0;
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
   const double weight = sum_over(cloth.mesh.comm, mass) * input.gravity.norm();
   if (input.has_contact())
     filters.push_back(std::make_unique<ContactProjection>(cloth, input, weight));
-  else if (input.inextensibility.method == config::InextensibilityMethod::fast_projection)
-    filters.push_back(std::make_unique<FastProjection>(cloth, input.inextensibility, weight));
+  else if (auto filter = make_filter(cloth, pattern, input.inextensibility, weight))
+    filters.push_back(std::move(filter));
   return filters;
 }
 
@@ -45,10 +48,14 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
       cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)),
       pins_(cloth_, input, state_.positions), pattern_(cloth_.mesh),
-      forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, input)),
-      integrator_(cloth_, pattern_, forces_, input.velocity), step_size_(input.time),
+      forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, pattern_, input)),
+      integrator_(input.time.integrator),
+      predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
       end_positions_(state_.positions.size()), freedom_(state_.positions.size()),
-      start_depth_(lowest(cloth_, state_.positions, down_)) {}
+      start_depth_(lowest(cloth_, state_.positions, down_)) {
+  if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
+    xpbd_.emplace(cloth_, pattern_, forces_, pins_, input.inextensibility);
+}
 
 void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
   state_ = std::move(state);
@@ -75,7 +82,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
                                           state_.time, dt, failure)};
     }
     step_size_.accepted();
-    accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt);
+    accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt, dt);
     record.rejected = std::exchange(rejected, 0);
     record.seconds += std::exchange(wasted, {});
     measure(record);
@@ -98,37 +105,49 @@ Simulation::Attempt Simulation::attempt(double dt) {
   Attempt attempt;
   StepRecord& record = attempt.record;
   record.dt = dt;
-  Stopwatch watch;
-  candidate_.velocities = state_.velocities;
+  candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
+  candidate_.end_velocities.clear();
   candidate_.force_density.resize(state_.force_density.size());
-  for (std::size_t e = 0; e < state_.force_density.size(); ++e)
-    candidate_.force_density[e] = carried(state_.force_density[e]);
-  pins_.prescribe(state_, dt, freedom_, candidate_.velocities);
-  const SolveReport predicted =
-      integrator_.predict(state_, dt, freedom_, candidate_.velocities, candidate_.reaction);
-  record.velocity_iterations = predicted.iterations;
-  record.seconds.velocity = watch.lap();
-  if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
-
-  for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
-    const FilterReport filtered = filters_[k]->apply(state_, dt, freedom_, candidate_);
-    record.iterations += filtered.iterations;
-    record.linear_iterations += filtered.linear_iterations;
-    record.contacts = std::max(record.contacts, filtered.contacts);
-    record.seconds.contact += filtered.contact_seconds;
-    attempt.failure = filtered.failure;
+  const StepStart start = integrator_.start(state_, dt);
+  Stopwatch watch;
+  if (xpbd_) {
+    xpbd_->advance(state_, dt, freedom_, candidate_);
+    record.iterations = xpbd_->substeps();
+  } else {
+    predict(start, attempt);
+    record.seconds.velocity = watch.lap();
+    filter(start, attempt);
   }
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
-    end_positions_[i] = state_.positions[i] + dt * candidate_.velocities[i];
-  add_pull_of_filters();
+    end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
+  if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
   record.strain = measure_strain(cloth_, end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
-
-  const bool limited = inextensibility_.method != config::InextensibilityMethod::none;
-  if (attempt.failure.empty() && limited && !(record.strain.max <= inextensibility_.strain))
-    attempt.failure = fmt::format("the measured strain is {:.3g}, over the limit {:g}", record.strain.max,
-                                  inextensibility_.strain);
+  if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
   return attempt;
+}
+
+/// The velocities of the candidate before any filter, and the tensions that filters start from.
+void Simulation::predict(const StepStart& start, Attempt& attempt) {
+  candidate_.velocities = start.state.velocities;
+  for (std::size_t e = 0; e < state_.force_density.size(); ++e)
+    candidate_.force_density[e] = carried(state_.force_density[e]);
+  pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
+  const SolveReport predicted =
+      predictor_.predict(start.state, start.dt, freedom_, candidate_.velocities, candidate_.reaction);
+  attempt.record.velocity_iterations = predicted.iterations;
+  if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
+}
+
+void Simulation::filter(const StepStart& start, Attempt& attempt) {
+  for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
+    const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom_, candidate_);
+    attempt.record.iterations += filtered.iterations;
+    attempt.record.linear_iterations += filtered.linear_iterations;
+    attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);
+    attempt.record.seconds.contact += filtered.contact_seconds;
+    attempt.failure = filtered.failure;
+  }
 }
 
 /// Prescribed velocities are kept by the prediction, which knows the tension carried into the step, and
@@ -145,9 +164,20 @@ double Simulation::carried(double force_density) const {
   return inextensibility_.carried_tension ? std::max(force_density, 0.0) : 0.0;
 }
 
-void Simulation::accept(double time) {
+/// Why a step with this strain cannot be accepted; empty if it can.
+std::string Simulation::fault_of(const Strain& strain) const {
+  if (!std::isfinite(strain.max)) return "positions are no longer numbers";
+  if (!config::holds_limit(inextensibility_) || strain.max <= inextensibility_.strain) return "";
+  return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max,
+                     inextensibility_.strain);
+}
+
+void Simulation::accept(double time, double dt) {
+  integrator_.remember(state_, dt);
   std::swap(state_.positions, end_positions_);
-  std::swap(state_.velocities, candidate_.velocities);
+  std::swap(state_.velocities,
+            candidate_.end_velocities.empty() ? candidate_.velocities : candidate_.end_velocities);
+  std::swap(state_.contact_force, candidate_.contact_force);
   std::swap(state_.force_density, candidate_.force_density);
   std::swap(state_.reaction, candidate_.reaction);
   state_.time = time;

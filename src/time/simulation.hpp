@@ -1,8 +1,10 @@
 #pragma once
 #include "src/filters/velocity_filter.hpp"
 #include "src/time/implicit_euler.hpp"
+#include "src/time/integrator.hpp"
 #include "src/time/observer.hpp"
 #include "src/time/step_size.hpp"
+#include "src/time/xpbd.hpp"
 
 #include <functional>
 
@@ -17,7 +19,7 @@ struct Outcome {
   bool completed() const { return ending == Ending::completed; }
 };
 
-/// A case in motion: prediction by implicit Euler, then the filters, then acceptance by measurement.
+/// A case in motion: prediction by the integrator, then the filters, then acceptance by measurement.
 class Simulation {
 public:
   /// Sets everything up; throws InputError for what is wrong with the case. Collective.
@@ -48,9 +50,12 @@ private:
   };
   static bool never() { return false; }
   Attempt attempt(double dt);
+  void predict(const StepStart& start, Attempt& attempt);
+  void filter(const StepStart& start, Attempt& attempt);
   void add_pull_of_filters();
   double carried(double force_density) const;
-  void accept(double time);
+  std::string fault_of(const Strain& strain) const;
+  void accept(double time, double dt);
   void measure(StepRecord& record) const;
 
   MPI_Comm comm_;
@@ -62,7 +67,9 @@ private:
   Pattern pattern_;
   Forces forces_;
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
-  ImplicitEuler integrator_;
+  Integrator integrator_;
+  ImplicitEuler predictor_;
+  std::optional<Xpbd> xpbd_; ///< takes the place of prediction and filters
   StepSize step_size_;
   Global rejected_steps_ = 0;
   Candidate candidate_;

@@ -1,5 +1,9 @@
 #include "src/time/summary.hpp"
 
+#include "src/config/methods.hpp"
+
+#include "src/config/methods.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
@@ -103,43 +107,44 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
   const auto a_step = [&](double total) { return all.steps > 0 ? total / double(all.steps) : 0.0; };
   const double memory = peak_memory(), memory_max = max_over(mesh.comm, memory),
                memory_sum = sum_over(mesh.comm, memory);
-  const Json json = {{"status", status_of(outcome.ending)},
-                     {"reason", outcome.reason},
-                     {"case", input_.name},
-                     {"version", TAUT_VERSION},
-                     {"ranks", size_of(mesh.comm)},
-                     {"vertices", mesh.vertices.total},
-                     {"faces", mesh.total_cells},
-                     {"constraints", mesh.edges.total},
-                     {"frames", frames},
-                     {"steps", all.steps},
-                     {"rejected_steps", simulation_.rejected_steps()},
-                     {"end_time", simulation_.state().time},
-                     {"strain",
-                      {{"limit", input_.inextensibility.strain},
-                       {"max", all.strain_max},
-                       {"rms", std::sqrt(a_step(all.strain_squares))},
-                       {"p999", quantile(mesh.comm, all, 0.999)}}},
-                     {"projection",
-                      {{"method", method_name(input_.inextensibility.method)},
-                       {"iterations_mean", a_step(double(all.iterations))},
-                       {"iterations_max", all.iterations_max},
-                       {"ksp_iterations_mean",
-                        all.iterations > 0 ? double(all.linear_iterations) / double(all.iterations) : 0.0}}},
-                     {"velocity", {{"ksp_iterations_mean", a_step(double(all.velocity_iterations))}}},
-                     {"contact", {{"pairs_max", all.contacts_max}, {"intersections", all.intersections}}},
-                     {"partition",
-                      {{"edge_cut", mesh.report.edge_cut},
-                       {"imbalance", mesh.report.imbalance},
-                       {"ghosts_max", mesh.report.ghosts_max}}},
-                     {"seconds",
-                      {{"total", all.seconds},
-                       {"setup", all.setup_seconds},
-                       {"velocity", all.phases.velocity},
-                       {"projection", all.phases.projection},
-                       {"contact", all.phases.contact},
-                       {"output", all.output_seconds}}},
-                     {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
+  const Json json = {
+      {"status", status_of(outcome.ending)},
+      {"reason", outcome.reason},
+      {"case", input_.name},
+      {"version", TAUT_VERSION},
+      {"ranks", size_of(mesh.comm)},
+      {"vertices", mesh.vertices.total},
+      {"faces", mesh.total_cells},
+      {"constraints", mesh.edges.total},
+      {"frames", frames},
+      {"steps", all.steps},
+      {"rejected_steps", simulation_.rejected_steps()},
+      {"end_time", simulation_.state().time},
+      {"strain",
+       {{"limit", config::holds_limit(input_.inextensibility) ? Json(input_.inextensibility.strain) : Json()},
+        {"max", all.strain_max},
+        {"rms", std::sqrt(a_step(all.strain_squares))},
+        {"p999", quantile(mesh.comm, all, 0.999)}}},
+      {"projection",
+       {{"method", method_name(input_.inextensibility.method)},
+        {"iterations_mean", a_step(double(all.iterations))},
+        {"iterations_max", all.iterations_max},
+        {"ksp_iterations_mean",
+         all.iterations > 0 ? double(all.linear_iterations) / double(all.iterations) : 0.0}}},
+      {"velocity", {{"ksp_iterations_mean", a_step(double(all.velocity_iterations))}}},
+      {"contact", {{"pairs_max", all.contacts_max}, {"intersections", all.intersections}}},
+      {"partition",
+       {{"edge_cut", mesh.report.edge_cut},
+        {"imbalance", mesh.report.imbalance},
+        {"ghosts_max", mesh.report.ghosts_max}}},
+      {"seconds",
+       {{"total", all.seconds},
+        {"setup", all.setup_seconds},
+        {"velocity", all.phases.velocity},
+        {"projection", all.phases.projection},
+        {"contact", all.phases.contact},
+        {"output", all.output_seconds}}},
+      {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";
 }
 

@@ -1,0 +1,39 @@
+#include "src/filters/make_filter.hpp"
+
+#include "src/filters/fast_projection.hpp"
+#include "src/filters/icd.hpp"
+#include "src/filters/rattle.hpp"
+#include "src/filters/sap.hpp"
+#include "src/filters/shake.hpp"
+#include "src/filters/spring_tension.hpp"
+#include "src/filters/strain_limiting.hpp"
+
+namespace taut {
+
+std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& pattern,
+                                            const config::Inextensibility& options, double weight) {
+  using enum config::InextensibilityMethod;
+  switch (options.method) {
+  case fast_projection:
+    return std::make_unique<FastProjection>(cloth, options, weight);
+  case icd:
+    return std::make_unique<Icd>(cloth, pattern, options, weight);
+  case sap:
+    return std::make_unique<Sap>(cloth, pattern, options, weight);
+  case shake:
+    return std::make_unique<Shake>(cloth, options, weight);
+  case rattle:
+    return std::make_unique<Rattle>(cloth, options, weight);
+  case jacobi:
+  case gauss_seidel:
+    return std::make_unique<StrainLimiting>(cloth, options);
+  case springs:
+    return std::make_unique<SpringTension>(cloth, options);
+  case xpbd:
+  case none:
+    break;
+  }
+  return nullptr;
+}
+
+} // namespace taut

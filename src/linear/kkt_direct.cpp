@@ -1,0 +1,151 @@
+#include "src/linear/kkt_direct.hpp"
+
+#include "src/linear/kkt_schur.hpp"
+
+#include <limits>
+
+namespace taut {
+
+namespace {
+
+SolverOptions indefinite(SolverOptions options) {
+  options.matrix = SolverOptions::Matrix::indefinite;
+  return options;
+}
+
+/// Calls `vertex(i)` for the diagonal block of each owned vertex, `end(i, end)` for each of its edge ends,
+/// and `edge(e)` for each owned edge: the order of the entries.
+template<class Vertex, class End, class Edge>
+void visit(const DistributedMesh& mesh, Vertex&& vertex, End&& end, Edge&& edge) {
+  for (Local i = 0; i < mesh.vertices.owned; ++i) {
+    vertex(i);
+    for (const EdgeEnd& e : mesh.star_of(i)) end(i, e);
+  }
+  for (Local e = 0; e < mesh.edges.owned; ++e) edge(e);
+}
+
+/// Pivots that MUMPS delays take memory which its analysis does not foresee: so many percent more.
+void leave_room_for_pivots(KSP ksp) {
+  constexpr PetscInt memory_relaxation = 14, percent = 300;
+  PC pc = nullptr;
+  Mat factor = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PCFactorSetUpMatSolverType(pc));
+  check(PCFactorGetMatrix(pc, &factor));
+  check(MatMumpsSetIcntl(factor, memory_relaxation, percent));
+}
+
+} // namespace
+
+KktSystem::Direct::Direct(const DistributedMesh& mesh, const SolverOptions& options)
+    : mesh_(mesh), vertex_row_(mesh.vertices.size()), edge_row_(mesh.edges.size()),
+      solver_(mesh.comm, "kkt", indefinite(options), PCNONE) {
+  if (3 * mesh.vertices.total + mesh.edges.total > std::numeric_limits<PetscInt>::max())
+    throw std::runtime_error(
+        "the mesh has more unknowns than this PETSc can number: use one with 64-bit indices");
+  for (Local i = 0; i < mesh.vertices.owned; ++i)
+    vertex_row_[i] = PetscInt(3 * mesh.vertices.global(i) + mesh.edges.first);
+  for (Local e = 0; e < mesh.edges.owned; ++e)
+    edge_row_[e] = PetscInt(3 * (mesh.vertices.first + mesh.vertices.owned) + mesh.edges.global(e));
+  mesh.vertex_halo.update(vertex_row_);
+  mesh.edge_halo.update(edge_row_);
+  const PetscInt rows = 3 * mesh.vertices.owned + mesh.edges.owned;
+  check(MatCreate(mesh.comm, matrix_.address()));
+  check(MatSetOptionsPrefix(matrix_, "kkt_"));
+  check(MatSetSizes(matrix_, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(matrix_, MATAIJ));
+  fix_pattern();
+  check(MatSetOption(matrix_, MAT_SYMMETRIC, PETSC_TRUE));
+  check(MatSetOption(matrix_, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  check(MatCreateVecs(matrix_, solution_.address(), rhs_.address()));
+  check(KSPSetOperators(solver_, matrix_, matrix_));
+  leave_room_for_pivots(solver_);
+}
+
+void KktSystem::Direct::fix_pattern() {
+  std::vector<PetscInt> rows, columns;
+  const auto add = [&](PetscInt row, PetscInt column) {
+    rows.push_back(row);
+    columns.push_back(column);
+  };
+  visit(
+      mesh_,
+      [&](Local i) {
+        for (int k = 0; k < 3; ++k) add(vertex_row_[i] + k, vertex_row_[i] + k);
+      },
+      [&](Local i, const EdgeEnd& end) {
+        for (int k = 0; k < 3; ++k) add(vertex_row_[i] + k, vertex_row_[end.other] + k);
+        for (int k = 0; k < 3; ++k) add(vertex_row_[i] + k, edge_row_[end.edge]);
+      },
+      [&](Local e) {
+        add(edge_row_[e], edge_row_[e]);
+        for (const Local v : mesh_.edge_vertices[e])
+          for (int k = 0; k < 3; ++k) add(edge_row_[e], vertex_row_[v] + k);
+      });
+  values_.reserve(rows.size());
+  check(MatSetPreallocationCOO(matrix_, PetscCount(rows.size()), rows.data(), columns.data()));
+}
+
+void KktSystem::Direct::assemble(const Terms& t) {
+  if (t.freedom->has_sliding())
+    throw std::invalid_argument("KktSystem: mumps cannot keep vertices on a line or in a plane");
+  terms_ = t;
+  values_.clear();
+  const auto add = [&](double value) { values_.push_back(value); };
+  const auto free = [&](Local i) { return t.freedom->is_free(i); };
+  visit(
+      mesh_,
+      [&](Local i) {
+        double diagonal = t.mass[i];
+        for (const EdgeEnd& end : mesh_.star_of(i)) diagonal += t.weight[end.edge];
+        for (int k = 0; k < 3; ++k) add(free(i) ? diagonal : 1.0);
+      },
+      [&](Local i, const EdgeEnd& end) {
+        for (int k = 0; k < 3; ++k) add(free(i) && free(end.other) ? -t.weight[end.edge] : 0.0);
+        for (int k = 0; k < 3; ++k) add(free(i) ? end.sign * t.gradient[end.edge][k] : 0.0);
+      },
+      [&](Local e) {
+        const auto& [a, b] = mesh_.edge_vertices[e];
+        add(free(a) || free(b) ? -t.shift[e] : -1.0);
+        for (int k = 0; k < 3; ++k) add(free(a) ? -t.gradient[e][k] : 0.0);
+        for (int k = 0; k < 3; ++k) add(free(b) ? t.gradient[e][k] : 0.0);
+      });
+  check(MatSetValuesCOO(matrix_, values_.data(), INSERT_VALUES));
+}
+
+SolveReport KktSystem::Direct::solve(std::span<const Vec3> f, std::span<const double> c, double tolerance,
+                                     std::vector<Vec3>& dx, std::vector<double>& dmu) {
+  const Local vertices = mesh_.vertices.owned, edges = mesh_.edges.owned;
+  double* out = nullptr;
+  check(VecGetArrayWrite(rhs_, &out));
+  for (Local i = 0; i < vertices; ++i) Eigen::Map<Vec3>(out + 3 * i) = terms_.freedom->allowed(i, f[i]);
+  for (Local e = 0; e < edges; ++e) out[3 * vertices + e] = -c[e];
+  check(VecRestoreArrayWrite(rhs_, &out));
+  const SolveReport report = solver_.solve(rhs_, solution_, tolerance);
+  const double* in = nullptr;
+  check(VecGetArrayRead(solution_, &in));
+  for (Local i = 0; i < vertices; ++i) dx[i] = Eigen::Map<const Vec3>(in + 3 * i);
+  for (Local e = 0; e < edges; ++e) dmu[e] = in[3 * vertices + e];
+  check(VecRestoreArrayRead(solution_, &in));
+  mesh_.vertex_halo.update(dx);
+  mesh_.edge_halo.update(dmu);
+  return report;
+}
+
+KktSystem::KktSystem(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options) {
+  if (options.kind == SolverOptions::Kind::mumps)
+    direct_ = std::make_unique<Direct>(mesh, options);
+  else
+    schur_ = std::make_unique<Schur>(mesh, pattern, options);
+}
+
+KktSystem::~KktSystem() = default;
+
+void KktSystem::assemble(const Terms& terms) { direct_ ? direct_->assemble(terms) : schur_->assemble(terms); }
+
+SolveReport KktSystem::solve(std::span<const Vec3> f, std::span<const double> c, double tolerance,
+                             std::vector<Vec3>& dx, std::vector<double>& dmu) {
+  return direct_ ? direct_->solve(f, c, tolerance, dx, dmu) : schur_->solve(f, c, tolerance, dx, dmu);
+}
+
+} // namespace taut
