@@ -62,6 +62,7 @@ MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
   mesh.rest_positions = scatter_slabs(comm, file.positions, mesh.vertices);
   mesh.vertex_lines = scatter_slabs(comm, file.vertex_lines, mesh.vertices);
   mesh.cell = scatter_slabs(comm, file.cells, mesh.cells);
+  if (any_of(comm, !file.texture.empty())) mesh.texture = scatter_slabs(comm, file.texture, mesh.cells);
   mesh.cell_lines = scatter_slabs(comm, file.cell_lines, mesh.cells);
   return mesh;
 }

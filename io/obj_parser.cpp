@@ -16,7 +16,7 @@
 namespace taut {
 namespace {
 
-constexpr std::array<std::string_view, 7> left_out{"vt", "vn", "g", "o", "s", "usemtl", "mtllib"};
+constexpr std::array<std::string_view, 6> left_out{"vn", "g", "o", "s", "usemtl", "mtllib"};
 
 class Parser {
 public:
@@ -28,6 +28,8 @@ public:
       if (keyword.empty()) continue;
       if (keyword == "v")
         vertex();
+      else if (keyword == "vt")
+        texture_point();
       else if (keyword == "f")
         face();
       else if (keyword == "l")
@@ -36,6 +38,7 @@ public:
         unknown(keyword);
     }
     check_range();
+    resolve_texture();
     return std::move(file_);
   }
 
@@ -56,6 +59,16 @@ private:
       x = coordinate(scanner_.next_word()); // what may follow is a weight or a colour
     file_.positions.push_back(position);
     file_.vertex_lines.push_back(scanner_.line());
+  }
+
+  void texture_point() {
+    Vec2 point;
+    for (double& x : point) {
+      const std::string_view word = scanner_.next_word();
+      if (word.empty()) fail("texture coordinates need two numbers; write 'vt u v'");
+      x = coordinate(word);
+    }
+    texture_points_.push_back(point);
   }
 
   double coordinate(std::string_view word) const {
@@ -85,25 +98,39 @@ private:
     return before + number;
   }
 
-  void add_cell(std::span<const Global> vertices) {
+  /// The texture point in a/b or a/b/c, counted from 0; -1 if there is none.
+  Global texture_number(std::string_view word) const {
+    const auto slash = word.find('/');
+    if (slash == word.npos || slash + 1 == word.size() || word[slash + 1] == '/') return -1;
+    Global number = 0;
+    const auto [end, error] = std::from_chars(word.begin() + slash + 1, word.end(), number);
+    if (error != std::errc() || (end != word.end() && *end != '/') || number == 0)
+      fail(fmt::format("'{}' does not name texture coordinates; write a/b with numbers from 1",
+                       word.substr(0, 40)));
+    return number > 0 ? number - 1 : std::max<Global>(0, Global(texture_points_.size()) + number);
+  }
+
+  void add_cell(std::span<const Global> vertices, std::array<Global, 4> texture = {-1, -1, -1, -1}) {
     Cell cell;
     std::ranges::copy(vertices, cell.vertices.begin());
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (std::ranges::find(vertices.subspan(i + 1), vertices[i]) != vertices.end())
         fail(fmt::format("vertex {} is used twice; name each vertex of an element once", vertices[i] + 1));
     file_.cells.push_back(cell);
+    texture_numbers_.push_back(texture);
     file_.cell_lines.push_back(scanner_.line());
   }
 
   void face() {
-    std::array<Global, 4> vertices;
+    std::array<Global, 4> vertices, texture{-1, -1, -1, -1};
     std::size_t count = 0;
     for (auto word = scanner_.next_word(); !word.empty(); word = scanner_.next_word()) {
       if (count == 4) fail("a face has more than 4 vertices; split it into quads and triangles");
+      texture[count] = texture_number(word);
       vertices[count++] = vertex_number(word);
     }
     if (count < 3) fail("a face has fewer than 3 vertices; give it 3 or 4, or write a line element 'l a b'");
-    add_cell(std::span(vertices).first(count));
+    add_cell(std::span(vertices).first(count), texture);
   }
 
   void polyline() {
@@ -127,9 +154,35 @@ private:
     }
   }
 
+  /// Once all points are known. Without any `vt` their numbers mean nothing.
+  void resolve_texture() {
+    if (texture_points_.empty()) return;
+    const auto named = [](const std::array<Global, 4>& numbers) { return numbers[0] >= 0; };
+    if (std::ranges::none_of(texture_numbers_, named)) return;
+    for (std::size_t c = 0; c < file_.cells.size(); ++c) file_.texture.push_back(texture_of(c));
+  }
+
+  /// Zero for a cell of which a corner has none.
+  Corners2 texture_of(std::size_t cell) const {
+    Corners2 corners{Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+    const auto numbers = std::span(texture_numbers_[cell]).first(std::size_t(file_.cells[cell].size()));
+    if (std::ranges::min(numbers) < 0) return corners;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (numbers[k] >= Global(texture_points_.size()))
+        fail(file_.cell_lines[cell],
+             fmt::format("texture coordinates {} do not exist, the file has {}; correct the "
+                         "number",
+                         numbers[k] + 1, texture_points_.size()));
+      corners[k] = texture_points_[numbers[k]];
+    }
+    return corners;
+  }
+
   TextScanner scanner_;
   const std::string& name_;
   ObjFile file_;
+  std::vector<Vec2> texture_points_;
+  std::vector<std::array<Global, 4>> texture_numbers_; ///< of the corners of each cell, -1 for none
 };
 
 } // namespace

@@ -12,12 +12,14 @@ namespace taut {
 struct ObjFile {
   std::vector<Vec3> positions;      ///< as in the file, without scale
   std::vector<Cell> cells;          ///< faces and segments of polylines, in the order of the file
+  std::vector<Corners2> texture;    ///< of the corners of each cell, zero without; empty if no face has it
   std::vector<Global> vertex_lines; ///< 1-based line of each vertex
   std::vector<Global> cell_lines;   ///< 1-based line of each cell
 };
 
-/// Understands `v`, `f` with 3 or 4 vertices (a, a/b, a//c, a/b/c, relative numbers) and `l`; leaves out `vt
-/// vn g o s usemtl mtllib`. Not collective. Throws `InputError` "`name`:line: what is wrong; cure".
+/// Understands `v`, `vt`, `f` with 3 or 4 vertices (a, a/b, a//c, a/b/c, relative numbers) and `l`; leaves
+/// out `vn g o s usemtl mtllib`. Not collective. Throws
+/// `InputError` "`name`:line: what is wrong; cure".
 ObjFile parse_obj(std::string_view text, const std::string& name);
 
 } // namespace taut

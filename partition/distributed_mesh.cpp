@@ -21,6 +21,7 @@ struct SentVertex {
 struct SentCell {
   Cell cell;
   Global original;
+  Corners2 texture;
 };
 struct SentEdge {
   Global original, low, high;
@@ -52,6 +53,7 @@ struct Parts {
   std::vector<SentCell> cells;
   std::vector<SentEdge> edges;
   std::vector<YarnTriple> triples;
+  std::vector<EdgeFaces> hinges;
 };
 
 std::vector<SentVertex> send_vertices(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
@@ -70,7 +72,8 @@ std::vector<SentCell> send_cells(MPI_Comm comm, const MeshSlab& mesh, const std:
   std::size_t at = 0;
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const std::size_t n = mesh.cell[c].size();
-    sender.add({mesh.cell[c], mesh.cells.first + Global(c)}, std::span(owner).subspan(at, n));
+    const Corners2 texture = mesh.texture.empty() ? Corners2() : mesh.texture[c];
+    sender.add({mesh.cell[c], mesh.cells.first + Global(c), texture}, std::span(owner).subspan(at, n));
     at += n;
   }
   return sender.send(comm);
@@ -105,6 +108,25 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
   parts.edges.erase(std::unique(parts.edges.begin(), parts.edges.end(), same), parts.edges.end());
 }
 
+/// The vertices of a hinge; unused places repeat the one before.
+std::array<Global, 6> vertices_of(const EdgeFaces& h) {
+  const auto or_first = [](Global second, Global first) { return second >= 0 ? second : first; };
+  return {
+      h.low, h.high, h.left[0], or_first(h.left[1], h.left[0]), h.right[0], or_first(h.right[1], h.right[0])};
+}
+
+std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                                   const std::vector<int>& owners) {
+  std::vector<Global> wanted;
+  for (const EdgeFaces& h : topology.hinges)
+    for (const Global v : vertices_of(h)) wanted.push_back(v);
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<EdgeFaces> sender;
+  for (std::size_t k = 0; k < topology.hinges.size(); ++k)
+    sender.add(topology.hinges[k], std::span(owner).subspan(6 * k, 6));
+  return sender.send(comm);
+}
+
 /// Builds the mesh from its parts; holds what is needed only while building.
 class Builder {
 public:
@@ -117,6 +139,7 @@ public:
     number_vertices(parts);
     place_cells(parts.cells);
     place_triples(parts.triples);
+    place_hinges(parts.hinges);
     number_edges(parts.edges);
     collect_stars();
     order_for_files();
@@ -166,6 +189,8 @@ private:
     for (const SentCell& c : parts.cells)
       met.insert(met.end(), c.cell.vertices.begin(), c.cell.vertices.begin() + c.cell.size());
     for (const SentEdge& e : parts.edges) met.insert(met.end(), {e.low, e.high});
+    for (const EdgeFaces& h : parts.hinges)
+      for (const Global v : vertices_of(h)) met.push_back(v);
     std::sort(met.begin(), met.end());
     met.erase(std::unique(met.begin(), met.end()), met.end());
     std::vector<Global> mine(mesh_.vertices.original);
@@ -188,22 +213,24 @@ private:
 
   void place_cells(const std::vector<SentCell>& cells) {
     mesh_.total_cells = slab_.cells.total;
-    std::vector<std::pair<LocalCell, Global>> placed;
+    std::vector<std::pair<LocalCell, const SentCell*>> placed;
     for (const SentCell& c : cells) {
       LocalCell cell{{-1, -1, -1, -1}};
       for (int k = 0; k < c.cell.size(); ++k) cell.vertices[k] = local_of_.at(c.cell.vertices[k]);
-      placed.emplace_back(cell, c.original);
+      placed.emplace_back(cell, &c);
     }
     std::sort(placed.begin(), placed.end(), [this](const auto& a, const auto& b) {
-      return std::pair(place_of(a.first.vertices[0]), a.second) <
-             std::pair(place_of(b.first.vertices[0]), b.second);
+      return std::pair(place_of(a.first.vertices[0]), a.second->original) <
+             std::pair(place_of(b.first.vertices[0]), b.second->original);
     });
-    for (const auto& [cell, original] : placed) {
+    const bool has_texture = any_of(mesh_.comm, !slab_.texture.empty());
+    for (const auto& [cell, sent] : placed) {
       if (mesh_.owns_vertex(cell.vertices[0])) {
         mesh_.owned_cells.push_back(Local(mesh_.cells.size()));
-        mesh_.owned_cell_originals.push_back(original);
+        mesh_.owned_cell_originals.push_back(sent->original);
       }
       mesh_.cells.push_back(cell);
+      if (has_texture) mesh_.texture.push_back(sent->texture);
     }
   }
 
@@ -213,6 +240,19 @@ private:
     std::sort(mesh_.triples.begin(), mesh_.triples.end(), [this](const auto& a, const auto& b) {
       return std::pair(place_of(a[1]), mesh_.vertices.original[a[0]]) <
              std::pair(place_of(b[1]), mesh_.vertices.original[b[0]]);
+    });
+  }
+
+  void place_hinges(const std::vector<EdgeFaces>& hinges) {
+    const auto local = [this](Global v) { return v < 0 ? Local(-1) : local_of_.at(v); };
+    for (const EdgeFaces& h : hinges)
+      mesh_.hinges.push_back({{local(h.low), local(h.high)},
+                              {local(h.left[0]), local(h.left[1])},
+                              {local(h.right[0]), local(h.right[1])},
+                              h.run});
+    std::sort(mesh_.hinges.begin(), mesh_.hinges.end(), [this](const Hinge& a, const Hinge& b) {
+      return std::pair(place_of(a.edge[0]), mesh_.vertices.original[a.edge[1]]) <
+             std::pair(place_of(b.edge[0]), mesh_.vertices.original[b.edge[1]]);
     });
   }
 
@@ -301,7 +341,10 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   parts.vertices = send_vertices(comm, mesh, owners);
   parts.cells = send_cells(comm, mesh, owners);
   send_stars(comm, mesh, topology, owners, parts);
-  return Builder(comm, mesh, owners).build(std::move(parts));
+  parts.hinges = send_hinges(comm, mesh, topology, owners);
+  DistributedMesh distributed = Builder(comm, mesh, owners).build(std::move(parts));
+  distributed.triangles_only = topology.triangles_only;
+  return distributed;
 }
 
 } // namespace taut

@@ -11,6 +11,23 @@ struct LocalCell {
   int size() const { return vertices[2] < 0 ? 2 : vertices[3] < 0 ? 3 : 4; }
 };
 
+/// An edge between two faces (see EdgeFaces) by local vertex numbers; unused places hold -1.
+struct Hinge {
+  std::array<Local, 2> edge;
+  std::array<Local, 2> left, right;
+  Vec2 run;
+
+  /// 4 between triangles, 5 between a triangle and a quad, 6 between quads.
+  int size() const { return 4 + (left[1] >= 0) + (right[1] >= 0); }
+};
+
+/// The vertices of a hinge: its edge, left, right; unused places repeat the one before.
+inline std::array<Local, 6> vertices_of(const Hinge& h) {
+  return {h.edge[0],  h.edge[1],
+          h.left[0],  h.left[1] < 0 ? h.left[0] : h.left[1],
+          h.right[0], h.right[1] < 0 ? h.right[0] : h.right[1]};
+}
+
 /// One end of an edge, seen from a vertex.
 struct EdgeEnd {
   Local edge;
@@ -25,12 +42,13 @@ struct PartitionReport {
 };
 
 /// One rank's part of the mesh. A rank stores the star (all neighbours and constrained edges) of every vertex
-/// that is one of its own or a neighbour of one, and every cell and yarn triple that touches one of its own
-/// vertices. So it can assemble all rows of what it owns, of vertices and of edges, without communication.
+/// that is one of its own or a neighbour of one, and every cell, yarn triple and hinge that touches one of
+/// its own vertices. So it can assemble all rows of what it owns, of vertices and of edges, without
+/// communication.
 ///
 /// Within a rank, vertices are numbered along a Morton curve through the rest shape and edges yarn by yarn.
-/// Cells and triples, and the edges around a vertex, stand in an order that does not depend on the partition,
-/// so that sums over them are the same to the last bit at any rank count.
+/// Cells, triples and hinges, and the edges around a vertex, stand in an order that does not depend on the
+/// partition, so that sums over them are the same to the last bit at any rank count.
 struct DistributedMesh {
   MPI_Comm comm = MPI_COMM_NULL;
   IndexMap vertices;
@@ -40,14 +58,17 @@ struct DistributedMesh {
   Halo edge_halo;
 
   std::vector<Vec3> rest_positions;         ///< m, of local vertices
+  bool triangles_only = false;              ///< no quad and no line in the whole mesh
   std::vector<LocalCell> cells;             ///< local cells
+  std::vector<Corners2> texture;            ///< of local cells; empty if the mesh has none
   std::vector<Local> owned_cells;           ///< those of `cells` this rank owns: each cell has one owner
   std::vector<Global> owned_cell_originals; ///< their original numbers
   Global total_cells = 0;
   std::vector<std::array<Local, 2>> edge_vertices; ///< of local edges, lower original number first
   std::vector<char> continues_yarn;          ///< 1 where owned edge i goes on along the yarn of edge i - 1
   std::vector<std::array<Local, 3>> triples; ///< before, centre, after
-  std::vector<std::size_t> star;             ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
+  std::vector<Hinge> hinges;
+  std::vector<std::size_t> star; ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;
 
   OriginalOrder vertex_order, edge_order, cell_order; ///< to files and back
@@ -60,8 +81,8 @@ struct DistributedMesh {
   bool owns_edge(Local i) const { return i < edges.owned; }
 };
 
-/// Sends every rank its part. `owners` are those of the slab's vertices, as `partition` gives them.
-/// Collective.
+/// Sends every rank its part. Who needs no hinges may leave them out of `topology`. `owners` are those of the
+/// slab's vertices, as `partition` gives them. Collective.
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                            const std::vector<int>& owners);
 

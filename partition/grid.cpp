@@ -14,17 +14,27 @@ MeshSlab slabs(MPI_Comm comm, const char* name, Global vertices, Global cells) {
   return mesh;
 }
 
+/// The first (0) or second (1) triangle of a rectangle.
+Cell triangle_of(const std::array<Global, 4>& corners, Global half, GridCells cells, bool odd) {
+  const bool from_second = cells == GridCells::alternating_triangles && odd; // the diagonal's first corner
+  const auto& c = corners;
+  if (from_second) return half == 0 ? Cell{{c[0], c[1], c[3], -1}} : Cell{{c[1], c[2], c[3], -1}};
+  return half == 0 ? Cell{{c[0], c[1], c[2], -1}} : Cell{{c[0], c[2], c[3], -1}};
+}
+
 } // namespace
 
-MeshSlab make_grid(MPI_Comm comm, Vec2 size, std::array<int, 2> vertices) {
-  const Global nx = vertices[0], ny = vertices[1];
-  MeshSlab mesh = slabs(comm, "grid", nx * ny, (nx - 1) * (ny - 1));
+MeshSlab make_grid(MPI_Comm comm, Vec2 size, std::array<int, 2> vertices, GridCells cells) {
+  const Global nx = vertices[0], ny = vertices[1], halves = cells == GridCells::quads ? 1 : 2;
+  MeshSlab mesh = slabs(comm, "grid", nx * ny, halves * (nx - 1) * (ny - 1));
   const double dx = size[0] / double(nx - 1), dy = size[1] / double(ny - 1);
   for (Global v = mesh.vertices.first; v < mesh.vertices.first + mesh.vertices.count; ++v)
     mesh.rest_positions.emplace_back(double(v % nx) * dx, double(v / nx) * dy, 0.0);
   for (Global c = mesh.cells.first; c < mesh.cells.first + mesh.cells.count; ++c) {
-    const Global corner = c / (nx - 1) * nx + c % (nx - 1);
-    mesh.cell.push_back({{corner, corner + 1, corner + nx + 1, corner + nx}});
+    const Global row = c / halves / (nx - 1), column = c / halves % (nx - 1), corner = row * nx + column;
+    const std::array<Global, 4> corners{corner, corner + 1, corner + nx + 1, corner + nx};
+    mesh.cell.push_back(halves == 1 ? Cell{corners}
+                                    : triangle_of(corners, c % 2, cells, (row + column) % 2 == 1));
   }
   return mesh;
 }

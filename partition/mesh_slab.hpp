@@ -32,6 +32,9 @@ struct Cell {
   int size() const { return vertices[2] < 0 ? 2 : vertices[3] < 0 ? 3 : 4; }
 };
 
+/// A point in the plane of the cloth for each corner of a cell; unused places are zero.
+using Corners2 = std::array<Vec2, 4>;
+
 /// A mesh as read or made: every rank holds one slab of the vertices and one of the cells. No rank holds
 /// more.
 struct MeshSlab {
@@ -40,6 +43,9 @@ struct MeshSlab {
   Slab cells;                       ///< which cells `cell` holds
   std::vector<Vec3> rest_positions; ///< m
   std::vector<Cell> cell;
+  std::vector<Corners2>
+      texture; ///< material coordinates of the corners of each cell, as in the file: u
+               ///< along warp, v along weft; zero for a cell without; empty if no cell has any
   std::vector<Global>
       vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
   std::vector<Global> cell_lines; ///< the same for cells

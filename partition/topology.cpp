@@ -1,5 +1,6 @@
 #include "partition/topology.hpp"
 
+#include "partition/fetch.hpp"
 #include "partition/mesh_check.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +18,9 @@ struct CellSide {
   Global cell;
   Global line; ///< of the cell in its file, 0 if it came from none
   int cell_size;
-  int runs_upwards; ///< 1 if the cell runs from low to high along this side
+  int runs_upwards;             ///< 1 if the cell runs from low to high along this side
+  std::array<Global, 2> across; ///< the other vertices of a face; unused places hold -1
+  Vec2 run;                     ///< of the texture from low to high; zero without
 };
 
 struct Edge {
@@ -35,7 +38,12 @@ std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
     for (int k = 0; k < (n == 2 ? 1 : n); ++k) {
       const Global a = cell.vertices[k], b = cell.vertices[(k + 1) % n];
       const Global line = mesh.cell_lines.empty() ? 0 : mesh.cell_lines[c];
-      sides.push_back({std::min(a, b), std::max(a, b), mesh.cells.first + Global(c), line, n, a < b});
+      const std::array<Global, 2> across{n > 2 ? cell.vertices[(k + 2) % n] : -1,
+                                         n > 3 ? cell.vertices[(k + 3) % n] : -1};
+      Vec2 run = Vec2::Zero();
+      if (!mesh.texture.empty()) run = (a < b ? 1 : -1) * (mesh.texture[c][(k + 1) % n] - mesh.texture[c][k]);
+      sides.push_back(
+          {std::min(a, b), std::max(a, b), mesh.cells.first + Global(c), line, n, a < b, across, run});
       to.push_back(slab_rank(mesh.vertices.total, size_of(comm), sides.back().low));
     }
   }
@@ -68,8 +76,14 @@ std::optional<std::string> fault_of(const MeshSlab& mesh, std::span<const CellSi
   return std::nullopt;
 }
 
+bool has_triangles_only(MPI_Comm comm, const MeshSlab& mesh) {
+  return !any_of(
+      comm, std::any_of(mesh.cell.begin(), mesh.cell.end(), [](const Cell& c) { return c.size() != 3; }));
+}
+
+/// Fills `constrained_edges` and `hinges` of `topology` on the way.
 std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<const CellSide> sides,
-                             Global& constrained_total) {
+                             Topology& topology) {
   std::vector<Edge> edges;
   std::optional<std::string> fault;
   Global constrained = 0;
@@ -78,7 +92,13 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
     const auto group = sides.subspan(i, j - i);
     if (!fault) fault = fault_of(mesh, group);
     const bool is_constrained =
+        topology.triangles_only ||
         std::any_of(group.begin(), group.end(), [](const CellSide& s) { return s.cell_size != 3; });
+    if (group.size() == 2) {
+      const bool first_is_left = group[0].runs_upwards;
+      topology.hinges.push_back({group[0].low, group[0].high, group[first_is_left ? 0 : 1].across,
+                                 group[first_is_left ? 1 : 0].across, group[0].run});
+    }
     edges.push_back({group[0].low,
                      group[0].high,
                      is_constrained ? constrained++ : -1,
@@ -88,7 +108,7 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
   const Global first = exclusive_sum(comm, constrained);
   for (Edge& e : edges)
     if (e.number >= 0) e.number += first;
-  constrained_total = sum_over(comm, constrained);
+  topology.constrained_edges = sum_over(comm, constrained);
   return edges;
 }
 
@@ -133,16 +153,55 @@ void append_triples(std::span<const Spoke> star, std::vector<YarnTriple>& triple
   }
 }
 
+/// Pairs the edges of a star whose directions from the centre are most nearly opposite, straightest first;
+/// such that turn by more than 60 degrees stay single. S couples edges a and b of a vertex by the cosine of
+/// the angle between them, so these are the strongest couplings of which each edge has one at each end.
+void append_straightest(std::span<const Spoke> star, std::span<const Vec3> directions,
+                        std::vector<YarnTriple>& triples) {
+  struct Pair {
+    double cosine;
+    std::size_t a, b;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < star.size(); ++a)
+    for (std::size_t b = a + 1; b < star.size(); ++b)
+      if (const double cosine = directions[a].dot(directions[b]); cosine < -0.5)
+        pairs.push_back({cosine, a, b});
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) {
+    return std::tie(p.cosine, p.a, p.b) < std::tie(q.cosine, q.a, q.b);
+  });
+  std::vector<char> taken(star.size(), 0);
+  for (const Pair& p : pairs) {
+    if (taken[p.a] || taken[p.b]) continue;
+    taken[p.a] = taken[p.b] = 1;
+    triples.push_back({star[p.a].neighbour, star[p.a].centre, star[p.b].neighbour});
+  }
+}
+
+/// The rest directions of all spokes of this slab, of length one.
+std::vector<Vec3> directions_of(MPI_Comm comm, const MeshSlab& mesh, std::span<const Spoke> spokes) {
+  std::vector<Global> neighbours;
+  for (const Spoke& s : spokes) neighbours.push_back(s.neighbour);
+  auto directions = fetch<Vec3>(comm, mesh.vertices, mesh.rest_positions, neighbours);
+  for (std::size_t i = 0; i < spokes.size(); ++i)
+    directions[i] =
+        (directions[i] - mesh.rest_positions[spokes[i].centre - mesh.vertices.first]).normalized();
+  return directions;
+}
+
 } // namespace
 
 Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
   Topology topology;
   check_cells(comm, mesh);
+  topology.triangles_only = has_triangles_only(comm, mesh);
   {
     const auto sides = collect_sides(comm, mesh);
-    const auto edges = edges_from(comm, mesh, sides, topology.constrained_edges);
+    const auto edges = edges_from(comm, mesh, sides, topology);
     topology.spokes = collect_spokes(comm, mesh, edges);
   }
+  const auto directions =
+      topology.triangles_only ? directions_of(comm, mesh, topology.spokes) : std::vector<Vec3>();
   std::optional<std::string> fault;
   topology.star.push_back(0);
   for (Global v = 0; v < mesh.vertices.count; ++v) {
@@ -154,7 +213,11 @@ Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
       fault = fmt::format("{}: vertex {} belongs to no face and no line; remove it",
                           place(mesh, mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[v]),
                           mesh.vertices.first + v + 1);
-    append_triples(star, topology.triples);
+    if (topology.triangles_only)
+      append_straightest(star, std::span(directions).subspan(topology.star.back(), star.size()),
+                         topology.triples);
+    else
+      append_triples(star, topology.triples);
     topology.star.push_back(end);
   }
   agree(comm, fault);

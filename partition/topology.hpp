@@ -17,19 +17,32 @@ struct YarnTriple {
   bool operator==(const YarnTriple&) const = default;
 };
 
+/// An edge between two faces, over which cloth folds: the edge from its lower to its higher vertex, and the
+/// other vertices of the face to the left of it and of that to the right: two of a quad, one of a triangle
+/// (the second is then -1).
+struct EdgeFaces {
+  Global low, high; ///< original vertex numbers
+  std::array<Global, 2> left, right;
+  Vec2 run; ///< of the texture from the lower to the higher vertex; zero in a mesh without
+};
+
 /// What follows from the cells of a mesh alone, shared out by the vertex slabs, so that it does not depend on
-/// the partition. Constrained edges are the edges of quads and the line elements; they are numbered by (lower
-/// vertex, higher vertex), lexicographically.
+/// the partition. Constrained edges are the edges of quads and the line elements, and all edges of a mesh of
+/// triangles alone; they are numbered by (lower vertex, higher vertex), lexicographically.
 struct Topology {
+  bool triangles_only = false;     ///< no quad and no line in the whole mesh
   Global constrained_edges = 0;    ///< over all ranks
   std::vector<Spoke> spokes;       ///< stars of this slab's vertices, sorted by (centre, neighbour)
   std::vector<std::size_t> star;   ///< the star of slab vertex i is spokes[star[i] .. star[i + 1])
   std::vector<YarnTriple> triples; ///< centred at this slab's vertices, by centre
+  std::vector<EdgeFaces> hinges;   ///< whose lower vertex is in this slab, by (low, high)
 };
 
 /// Finds edges, stars and yarn triples, and checks the mesh on the way. Two constrained edges continue one
 /// another through a vertex if they share no cell there and neither has another such partner: opposite edges
-/// of a regular vertex, the two boundary edges of a border vertex, the two lines of a chain. Throws
+/// of a regular vertex, the two boundary edges of a border vertex, the two lines of a chain. In a mesh of
+/// triangles alone there are no yarns; there edges are chained by their coupling in the projection matrix: of
+/// the edges around a vertex, those that go on most nearly straight are paired first. Throws
 /// InputError (naming the file and the line) for a mesh with isolated vertices, edges of zero length, doubled
 /// edges, more than two faces on an edge, or neighbouring faces of opposite orientation. Collective.
 Topology find_topology(MPI_Comm comm, const MeshSlab& mesh);

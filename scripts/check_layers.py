@@ -12,7 +12,7 @@ layers = {
     "io": ["partition"],
     "src/config": ["partition", "io"],
     "src/state": ["partition", "io", "src/config"],
-    "src/linear": ["partition", "io"],
+    "src/linear": ["partition", "io", "src/config", "src/state"],
     "src/forces": ["partition", "io", "src/config", "src/state", "src/linear"],
     "src/contact": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces"],
     "src/filters": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact"],

@@ -13,7 +13,13 @@
 
 namespace taut::test {
 
-inline const config::Material material{.density = 0.3, .bending = 2e-4, .shear = 7, .damping = {}};
+inline const config::Material material = [] {
+  config::Material m;
+  m.density = 0.3;
+  m.bending = 2e-4;
+  m.shear = 7;
+  return m;
+}();
 inline constexpr double beta = 0.02; ///< stiffness-proportional damping of the damped forces, s
 inline const config::Air air{.wind = {1.5, -0.7, 2},
                              .density = 1.2,
@@ -38,7 +44,11 @@ struct Bed {
 
   State at(const WholeState& whole) const {
     const IndexMap &vertices = cloth.mesh.vertices, &edges = cloth.mesh.edges;
-    return {state_time, 0, local(vertices, whole.positions), local(vertices, whole.velocities),
+    return {state_time,
+            0,
+            local(vertices, whole.positions),
+            local(vertices, whole.velocities),
+            std::vector<Vec3>(vertices.size(), Vec3::Zero()),
             local(edges, whole.force_density)};
   }
 };
@@ -57,16 +67,16 @@ inline WholeState random_state(const Bed& whole, unsigned seed) {
 using MakeForce = std::unique_ptr<Force> (*)(const Bed&);
 
 inline std::unique_ptr<Force> bending(const Bed& b) {
-  return std::make_unique<YarnBending>(b.cloth, b.pattern, material.bending, 0.0);
+  return std::make_unique<YarnBending>(b.cloth, b.pattern, Threads::all, material.bending, 0.0);
 }
 inline std::unique_ptr<Force> shear(const Bed& b) {
-  return std::make_unique<QuadShear>(b.cloth, b.pattern, material.shear, 0.0);
+  return std::make_unique<Shear>(b.cloth, b.pattern, material.shear, 0.0);
 }
 inline std::unique_ptr<Force> damped_bending(const Bed& b) {
-  return std::make_unique<YarnBending>(b.cloth, b.pattern, material.bending, beta);
+  return std::make_unique<YarnBending>(b.cloth, b.pattern, Threads::all, material.bending, beta);
 }
 inline std::unique_ptr<Force> damped_shear(const Bed& b) {
-  return std::make_unique<QuadShear>(b.cloth, b.pattern, material.shear, beta);
+  return std::make_unique<Shear>(b.cloth, b.pattern, material.shear, beta);
 }
 inline std::unique_ptr<Force> drag(const Bed& b) { return std::make_unique<AirDrag>(b.cloth, air); }
 inline std::unique_ptr<Force> tension(const Bed& b) {

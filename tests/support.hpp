@@ -50,6 +50,15 @@ inline MeshSlab mixed_mesh(MPI_Comm comm) {
   return slab_of_whole(comm, points, cells);
 }
 
+/// Triangles alone: a grid of 5 x 4 vertices, cut along both diagonals in turn, distorted in space.
+inline MeshSlab triangle_mesh(MPI_Comm comm) {
+  const MeshSlab grid = make_grid(self, {1.0, 0.75}, {5, 4}, GridCells::alternating_triangles);
+  std::vector<Vec3> points = grid.rest_positions;
+  const auto noise = random_vectors(Global(points.size()), 0.05, 2);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] += noise[i];
+  return slab_of_whole(comm, points, grid.cell);
+}
+
 /// Owners of all vertices, in ways no partitioner would choose: scattered, all on the last rank, and
 /// scattered over every second rank, so that the others are empty.
 inline std::vector<std::vector<int>> odd_owners(Global vertices, int ranks) {

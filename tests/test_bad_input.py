@@ -47,8 +47,8 @@ def added(name, line, message):
     return Mistake(name, message, CASE + line)
 
 
-def mesh(name, obj, message):
-    return Mistake(name, message, MESH_CASE, files={"mesh.obj": obj})
+def mesh(name, obj, message, options=()):
+    return Mistake(name, message, MESH_CASE, options=options, files={"mesh.obj": obj})
 
 
 def pinned(name, pins, message):
@@ -115,9 +115,9 @@ MISTAKES = [
          "corners in order around it"),
     mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
          "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
-    mesh("triangles_only", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: mesh.obj: no constraint is left: inextensibility acts "
-         "along the edges of quads and lines, and this mesh has triangles only; use a mesh of quads, or "
-         "inextensibility.method: none"),
+    mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: case.yaml: cloth.material.bending_model: yarn "
+         "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",
+         options=("--set", "cloth.material.bending_model=yarn")),
     Mistake("shape_of_another_mesh", "taut: shape.obj: it has 4 vertices, the mesh 25; give the vertices of the mesh, in "
             "the same order, in other places", options=("--set", "cloth.start.shape=shape.obj"),
             files={"shape.obj": SQUARE}),
@@ -129,6 +129,11 @@ MISTAKES = [
            "starts"),
     pinned("vertex_in_two_pins", "[{vertices: [0]}, {near: [[0, 0, 0]]}]",
            "taut: case.yaml: pins.1: vertex 0 is held by pins.0 already; a vertex can belong to one pin only"),
+    Mistake("sliding_pins_of_icd", "taut: --set inextensibility={method: icd, solver: mumps}: inextensibility: "
+            "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose solver "
+            "cg",
+            options=("--set", "pins=[{vertices: [0], along: [1, 0, 0]}]", "--set",
+                     "inextensibility={method: icd, solver: mumps}")),
     pinned("all_pinned", "[{box: {min: [0, 0, 0], max: [1, 1, 0]}}]",
            "taut: case.yaml: pins: all 25 vertices are pinned, so nothing is left to move; pin fewer"),
     pinned("pins_stretch_an_edge", "[{vertices: [0]}, {vertices: [1], motion: [{time: 0, translate: [0.2, 0, 0]}]}]",

@@ -218,7 +218,7 @@ TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
   const Folder folder;
   State state;
   const auto write = [&](const std::vector<std::string>& energies, Global last, Global first, Global end) {
-    StepLog log(world, folder / "steps.csv", energies, last);
+    StepLog log(world, folder / "steps.csv", energies, 0, last);
     for (state.step = first; state.step < end; ++state.step) {
       StepRecord record;
       record.depth = double(state.step) / 4;

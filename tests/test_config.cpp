@@ -331,7 +331,7 @@ TEST(ConfigError, UnknownWord) {
             at("2:21", "partition.method: unknown word 'random'; choose one of metis, stripes"));
   EXPECT_EQ(error_after_cloth("output: {fields: [strain, tensoin]}"),
             at("2:27", "output.fields.1: unknown word 'tensoin' (did you mean 'tension'?); choose one of "
-                       "position, velocity, owner_rank, strain, tension"));
+                       "position, velocity, owner_rank, strain, tension, reaction"));
   EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 2}, fabric: denin}"),
             at("1:49",
                "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of cotton, wool, "
@@ -463,10 +463,10 @@ TEST(Changes, AreToldKeyByKey) {
   const auto changes = changes_between(before, read_case(text, "case.yaml", overrides));
   std::vector<std::string> words;
   for (const KeyChange& c : changes) words.push_back(c.key + ": " + c.before + " -> " + c.after);
-  EXPECT_THAT(words, testing::IsSupersetOf({"time.end: 1 -> 2", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
-                                            "pins.1.release: 2 -> 0.5",
-                                            "pins.0.motion.0.translate: none -> [0, 0, 1]",
-                                            "air.drag: none -> 1"}));
+  EXPECT_THAT(words,
+              testing::IsSupersetOf({"time.end: 1 -> 2", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
+                                     "pins.1.release: 2 -> 0.5",
+                                     "pins.0.motion.0.translate: none -> [0, 0, 1]", "air.drag: none -> 1"}));
   for (const KeyChange& c : changes)
     EXPECT_TRUE(c.key.starts_with("time.end") || c.key.starts_with("gravity") || c.key.starts_with("pins.") ||
                 c.key.starts_with("air."))

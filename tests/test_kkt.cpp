@@ -79,7 +79,8 @@ TEST(KktSystem, SolvesForPositionsAndTensions) {
                  shift = local(mesh.edges, whole.shift), gap = local(mesh.edges, whole.gap);
       const auto gradient = local(mesh.edges, whole.gradient), force = local(mesh.vertices, whole.force);
       const auto prescribed = local(mesh.vertices, whole.prescribed);
-      system.assemble({mass, weight, gradient, shift, prescribed});
+      const Freedom freedom(prescribed);
+      system.assemble({mass, weight, gradient, shift, &freedom});
       std::vector<Vec3> dx(mesh.vertices.size());
       std::vector<double> dmu(mesh.edges.size());
       EXPECT_EQ(system.solve(force, gap, 1e-12, dx, dmu).failure, "");
@@ -122,7 +123,8 @@ TEST(NonsymmetricProjection, SolvesItsSystem) {
     on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
       ProjectionSystem system(mesh, {.kind = kind, .matrix = SolverOptions::Matrix::nonsymmetric});
       system.assemble(local(mesh.edges, rows), local(mesh.edges, whole.gradient),
-                      local(mesh.vertices, inverse_mass), local(mesh.edges, shift));
+                      local(mesh.vertices, inverse_mass), Freedom(mesh.vertices.size()),
+                      local(mesh.edges, shift));
       std::vector<double> mu(mesh.edges.size());
       EXPECT_EQ(system.solve(local(mesh.edges, whole.gap), 1e-12, mu).failure, "");
       EXPECT_LT(relative_error(gather<double>(mesh.comm, mesh.edges, mu), expected), 1e-9);

@@ -1,6 +1,9 @@
+#include "src/linear/modified_cg.hpp"
 #include "src/linear/velocity_system.hpp"
 #include "tests/force_bed.hpp"
 #include "tests/petsc_options.hpp"
+
+#include <numeric>
 
 using namespace taut;
 using namespace taut::test;
@@ -164,4 +167,120 @@ TEST_F(VelocitySolve, FollowsAMatrixThatChanges) {
       }
     }
   });
+}
+
+namespace {
+
+/// Scattered vertices held, kept on a line, or kept in a plane.
+Freedom scattered_freedom(std::span<const Global> originals) {
+  Freedom freedom(originals.size());
+  for (std::size_t i = 0; i < originals.size(); ++i) {
+    const Global v = originals[i];
+    const Vec3 direction = Vec3(1 + double(v % 3), -2, double(v % 5) - 0.5).normalized();
+    if (v % 7 == 3) freedom.hold(Local(i));
+    if (v % 7 == 4) freedom.keep_on_line(Local(i), direction);
+    if (v % 7 == 5) freedom.keep_in_plane(Local(i), direction);
+  }
+  return freedom;
+}
+
+class ConstrainedSolve : public VelocitySolve {
+protected:
+  /// v = z + S y with S (A S y + A z - b) = 0, z = (I - S) v_0, by dense elimination.
+  ConstrainedSolve() {
+    std::vector<Global> all(whole_.cloth.mesh.vertices.total);
+    std::iota(all.begin(), all.end(), 0);
+    const Freedom freedom = scattered_freedom(all);
+    const StepSystem system = full_step(whole_, state_, dt);
+    const Dense a = gather(whole_.cloth.mesh, system.matrix());
+    const Column b = whole_rhs(whole_, system);
+    Dense s = Dense::Zero(a.rows(), a.cols());
+    Column z(a.rows());
+    for (Global v = 0; v < Global(all.size()); ++v) {
+      s.block<3, 3>(3 * v, 3 * v) = freedom.projector(Local(v));
+      z.segment<3>(3 * v) = freedom.denied(Local(v), state_.velocities[v]);
+    }
+    const Dense rest = Dense::Identity(a.rows(), a.cols()) - s;
+    expected_ = z + Column((s * a * s + rest).ldlt().solve(s * (b - a * z)));
+    impulse_ = rest * (a * expected_ - b);
+    denied_ = rest;
+  }
+
+  Column impulse_;
+  Dense denied_;
+};
+
+} // namespace
+
+TEST_F(ConstrainedSolve, ProjectedAndModifiedCgFindTheSameSolution) {
+  constexpr auto filtered = SolverOptions::Constraints::filtered;
+  const std::vector<Solver> solvers{
+      {cg, {}}, {cg, {{pc, "pbjacobi"}}}, {cg, {{pc, "jacobi"}}}, {cg, {{pc, "bjacobi"}}}, {mumps, {}}};
+  std::vector<SolverOptions> options(solvers.size(), {cg, 1000});
+  options.back().kind = mumps;
+  options.push_back({.kind = cg, .constraints = filtered});
+  for (std::size_t k = 0; k < options.size(); ++k) {
+    const OptionsInForce in_force(k < solvers.size() ? solvers[k].options : std::vector<PetscSetting>());
+    on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+      const Bed bed(std::move(mesh));
+      const IndexMap& map = bed.cloth.mesh.vertices;
+      const StepSystem system = full_step(bed, state_, dt);
+      const Freedom freedom = scattered_freedom(map.original);
+      std::vector<Vec3> v = local(map, state_.velocities);
+      VelocitySystem solver(bed.cloth.mesh, bed.pattern, options[k]);
+      EXPECT_EQ(solver.solve(system.matrix(), system.rhs(), freedom, tolerance, v).failure, "");
+      const Column found = gather<Vec3>(world, map, v);
+      EXPECT_LT(relative_error(found, expected_), accuracy);
+      Column start(found.size());
+      for (std::size_t i = 0; i < state_.velocities.size(); ++i)
+        start.segment<3>(3 * Global(i)) = state_.velocities[i];
+      EXPECT_LT((denied_ * (found - start)).norm(), 1e-13 * start.norm()); // what is denied stays
+      const auto impulse = constraint_impulse(system.matrix(), system.rhs(), freedom, v);
+      EXPECT_LT(relative_error(gather<Vec3>(world, map, impulse), impulse_), accuracy);
+    });
+  }
+}
+
+TEST_F(ConstrainedSolve, ModifiedCgReportsThatItRanOutOfIterations) {
+  on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    const Bed bed(std::move(mesh));
+    const StepSystem system = full_step(bed, state_, dt);
+    std::vector<Vec3> v = local(bed.cloth.mesh.vertices, state_.velocities);
+    const Freedom freedom(v.size());
+    EXPECT_NE(modified_cg(bed.cloth.mesh, system.matrix(), system.rhs(), freedom, tolerance, 2, v).failure,
+              "");
+  });
+}
+
+// Forces linear in the positions: a step that also moves the cloth by y is a step from where y has moved it.
+TEST(PositionAlteration, OfALinearForceIsAStepFromThere) {
+  const Bed whole(serial(mixed_mesh));
+  WholeState state = random_state(whole, 0), moved = state;
+  const auto y = random_vectors(Global(state.positions.size()), 0.1, 77);
+  for (std::size_t i = 0; i < y.size(); ++i) moved.positions[i] += y[i];
+  const auto rhs_of = [&](const WholeState& s, const std::vector<Vec3>& alteration) {
+    StepSystem system(whole.pattern, whole.cloth.mesh.vertices.size());
+    system.start(dt);
+    system.alter_positions(alteration);
+    for (const MakeForce make : {bending, tension}) make(whole)->add_to(system, whole.at(s));
+    return whole_rhs(whole, system);
+  };
+  EXPECT_LT(relative_error(rhs_of(state, local(whole.cloth.mesh.vertices, y)), rhs_of(moved, {})), 1e-12);
+}
+
+// Any force: h K y is taken off the right-hand side, with K the stiffness in the matrix.
+TEST(PositionAlteration, TakesTheStiffnessTimesItOff) {
+  const Bed whole(serial(mixed_mesh));
+  const WholeState state = random_state(whole, 0);
+  const IndexMap& map = whole.cloth.mesh.vertices;
+  const auto y = local(map, random_vectors(map.total, 0.1, 77));
+  for (const MakeForce make : {bending, shear, tension}) {
+    const Step plain = step_of(whole, make, state, dt);
+    StepSystem system(whole.pattern, map.size());
+    system.start(dt);
+    system.alter_positions(y);
+    make(whole)->add_to(system, whole.at(state));
+    const Column expected = plain.rhs - plain.matrix / dt * gather<Vec3>(self, map, y);
+    EXPECT_LT(relative_error(whole_rhs(whole, system), expected), 1e-12);
+  }
 }

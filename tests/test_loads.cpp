@@ -52,7 +52,7 @@ TEST(Bending, OfACylinderIsHalfBKappaSquaredPerArea) {
     on_odd_partitions(mesh, [&](DistributedMesh distributed) {
       const Bed bed(std::move(distributed));
       const double energy =
-          sum_over(world, bending(bed)->energy({0, 0, bed.cloth.mesh.rest_positions, {}, {}}));
+          sum_over(world, bending(bed)->energy({0, 0, bed.cloth.mesh.rest_positions, {}, {}, {}}));
       // The curvature of three points at chords d on a circle is 1/R exactly; the area of the chords falls
       // short by (d/R)^2 / 24.
       EXPECT_NEAR(energy / expected, 1, edge_over_radius * edge_over_radius / 20);
@@ -120,7 +120,7 @@ TEST(Gravity, BearsTheWholeWeightOnce) {
   const auto grid = [](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {9, 7}); };
   on_odd_partitions(grid, [&](DistributedMesh mesh) {
     const Bed bed(std::move(mesh));
-    const State rest{0, 0, bed.cloth.mesh.rest_positions, {}, {}};
+    const State rest{0, 0, bed.cloth.mesh.rest_positions, {}, {}, {}};
     StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
     system.start(1.0);
     gravity(bed)->add_to(system, rest);

@@ -128,6 +128,31 @@ TEST(ObjParser, AllowsVerticesThatFollowTheirFace) {
   EXPECT_THAT(cells_of("f 1 2 3 4\n" + square), ElementsAre(Vertices{0, 1, 2, 3}));
 }
 
+TEST(ObjParser, ReadsTextureCoordinatesOfCorners) {
+  const std::string points = "vt 0 0\nvt 2 0\nvt 0 3\n";
+  const ObjFile file = parse_obj(square + points + "f 1/1 2/2 4/3\nf 2/-1/1 3/1 4/2\nl 1 2\n", "file.obj");
+  ASSERT_EQ(file.texture.size(), 3u);
+  EXPECT_EQ(file.texture[0], (Corners2{Vec2(0, 0), Vec2(2, 0), Vec2(0, 3), Vec2(0, 0)}));
+  EXPECT_EQ(file.texture[1], (Corners2{Vec2(0, 3), Vec2(0, 0), Vec2(2, 0), Vec2(0, 0)}));
+  EXPECT_TRUE(parse_obj(square + points + "f 1 2 3\n", "file.obj").texture.empty());
+  EXPECT_TRUE(parse_obj(square + "f 1/1 2/2 3/3\n", "file.obj").texture.empty()); // no vt at all
+}
+
+TEST(ObjParser, AllowsFacesWithoutTextureCoordinates) {
+  const ObjFile file = parse_obj(square + "vt 1 2\nf 1/1 2/1 3/1\nf 1 2 3\nf 1/1 2 3\n", "file.obj");
+  EXPECT_EQ(file.texture[0][2], Vec2(1, 2));
+  for (const int untextured : {1, 2}) {
+    for (const Vec2& corner : file.texture[untextured]) EXPECT_EQ(corner, Vec2(0, 0));
+  }
+}
+
+TEST(ObjParser, RefusesTextureCoordinatesThatAreNotThere) {
+  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/1 2/2 3/1\n"),
+            "file.obj:6: texture coordinates 2 do not exist, the file has 1; correct the number");
+  EXPECT_EQ(parse_error(square + "vt 0\n"),
+            "file.obj:5: texture coordinates need two numbers; write 'vt u v'");
+}
+
 TEST(ObjParser, CutsPolylinesIntoSegments) {
   const std::string text = square + "l 1 2/1 -2\n";
   EXPECT_THAT(cells_of(text), ElementsAre(Vertices{0, 1, -1, -1}, Vertices{1, 2, -1, -1}));

@@ -64,7 +64,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
                                 : std::vector<XdmfFrame>{};
   const Obstacles obstacles(comm, input);
   FrameWriter frames(simulation.cloth(), obstacles, input.output.fields, out, std::move(earlier));
-  StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), state.step);
+  StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, course.progress, steps.frames(), input.time.end);
   IntersectionCheck intersections(simulation.cloth(), input);
   Summary summary(simulation, input, intersections, course.totals, course.began);

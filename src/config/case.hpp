@@ -15,6 +15,7 @@
 namespace taut::config {
 
 enum class LinearSolver { cg, mumps };
+enum class ConstraintSolver { projected, modified_cg };
 enum class Integrator { implicit_euler, bdf2, imex };
 enum class InextensibilityMethod {
   fast_projection,
@@ -31,8 +32,12 @@ enum class InextensibilityMethod {
 enum class ShakeMatrix { newton, lagged };
 enum class ContactModel { constraint, none };
 enum class CheckAt { frame, step, none };
+enum class GridCells { quads, triangles, alternating_triangles };
+enum class ShearModel { baraff_witkin, diagonals };
+enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
+enum class RestAngles { flat, mesh };
 enum class PartitionMethod { metis, stripes };
-enum class Field { position, velocity, owner_rank, strain, tension };
+enum class Field { position, velocity, owner_rank, strain, tension, reaction };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -44,9 +49,18 @@ constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
 constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
 constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
+constexpr std::array<std::string_view, 3> words_of(GridCells) {
+  return {"quads", "triangles", "alternating_triangles"};
+}
+constexpr std::array<std::string_view, 2> words_of(ShearModel) { return {"baraff_witkin", "diagonals"}; }
+constexpr std::array<std::string_view, 4> words_of(BendingModel) {
+  return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
+}
+constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
+constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
 constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
-constexpr std::array<std::string_view, 5> words_of(Field) {
-  return {"position", "velocity", "owner_rank", "strain", "tension"};
+constexpr std::array<std::string_view, 6> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction"};
 }
 
 /// A rectangle in the plane z = 0: row i, column j is vertex i * vertices[0] + j; columns along x (warp),
@@ -54,6 +68,7 @@ constexpr std::array<std::string_view, 5> words_of(Field) {
 struct Grid {
   Vec2 size = Vec2::Ones();          ///< m
   std::array<int, 2> vertices{2, 2}; ///< along x, along y
+  GridCells cells = GridCells::quads;
   bool operator==(const Grid&) const = default;
 };
 
@@ -86,9 +101,16 @@ struct Damping {
 };
 
 struct Material {
-  double density = 0.2;  ///< kg/m^2, kg/m on a line
-  double bending = 1e-5; ///< N m, N m^2 on a line
-  double shear = 10;     ///< N/m
+  double density = 0.2;                      ///< kg/m^2, kg/m on a line
+  double bending = 1e-5;                     ///< N m, N m^2 on a line
+  std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
+  std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
+  RestAngles rest_angles = RestAngles::flat;
+  double shear = 10; ///< N/m
+  ShearModel shear_model = ShearModel::baraff_witkin;
+  double stretch = 0;                 ///< N/m, N on a line
+  std::optional<double> stretch_weft; ///< N/m; absent: as `stretch`
+  Vec2 stretch_target = Vec2::Ones(); ///< lengths of warp and weft over those of the rest shape
   Damping damping;
   bool operator==(const Material&) const = default;
 };
@@ -130,6 +152,8 @@ struct Pin {
   std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, box and near is there
   std::optional<Box> box;
   std::optional<std::vector<Vec3>> near; ///< m
+  std::optional<Vec3> along;             ///< free to slide along this axis, of any length
+  std::optional<Vec3> plane;             ///< free to slide in the plane with this normal, of any length
   std::vector<Keyframe> motion;          ///< times increase strictly; empty: the pin rests
   std::optional<double> release;         ///< s; absent: never
   bool operator==(const Pin&) const = default;
@@ -207,6 +231,7 @@ struct Velocity {
   LinearSolver solver = LinearSolver::cg;
   double tolerance = 1e-4;
   int max_iterations = 1000;
+  ConstraintSolver constraints = ConstraintSolver::projected;
   bool operator==(const Velocity&) const = default;
 };
 
@@ -261,8 +286,8 @@ struct Checkpoint {
 };
 
 struct Output {
-  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
-                            Field::tension};
+  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank,
+                            Field::strain,   Field::tension,  Field::reaction};
   bool operator==(const Output&) const = default;
 };
 

@@ -40,6 +40,8 @@ void describe(V& v, Is<Grid> auto& g) {
     {.range = at_least(2),
      .presence = Presence::required,
      .meaning = "numbers of vertices along x and y; row i, column j is vertex i*nx + j"});
+  v("cells", g.cells,
+    {.meaning = "quads; or triangles, all cut along the same diagonal or along both in turn"});
 }
 
 template<class V>
@@ -77,10 +79,35 @@ void describe(V& v, Is<Material> auto& m) {
   v("density", m.density, {.unit = Unit::cloth_density, .range = positive, .meaning = "mass per area"});
   v("bending", m.bending,
     {.unit = Unit::cloth_bending, .range = not_negative, .meaning = "bending stiffness"});
+  v("bending_weft", m.bending_weft,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .computed_default = "bending",
+     .meaning = "bending stiffness of weft threads"});
+  v("bending_model", m.bending_model,
+    {.computed_default = "yarn, or isometric on a mesh with triangles",
+     .meaning = "what resists bending: curvature of each yarn, or the fold over each edge between faces: its "
+                "isometric quadratic form, discrete shells, or the angle of Baraff and Witkin"});
+  v("rest_angles", m.rest_angles,
+    {.meaning = "angle over an edge that does not bend: none, or that of the mesh (discrete_shells)"});
   v("shear", m.shear,
     {.unit = Unit::newton_per_metre,
      .range = not_negative,
      .meaning = "shear stiffness, per radian of shear angle"});
+  v("shear_model", m.shear_model,
+    {.meaning = "what resists shear: the angle between warp and weft, or the diagonals of quads as springs"});
+  v("stretch", m.stretch,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .meaning = "stretch stiffness of warp and weft, per strain; for cloth without inextensibility"});
+  v("stretch_weft", m.stretch_weft,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .computed_default = "stretch",
+     .meaning = "stretch stiffness of weft threads"});
+  v("stretch_target", m.stretch_target,
+    {.range = positive,
+     .meaning = "lengths of warp and weft that the stretch stiffness pulls to, over those at rest"});
   v("damping", m.damping, {.meaning = "Rayleigh damping"});
 }
 
@@ -136,6 +163,9 @@ void describe(V& v, Is<Pin> auto& p) {
   v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
   v("box", p.box, {.meaning = "all vertices whose start position is inside"});
   v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("along", p.along, {.meaning = "axis along which the vertices may slide; none: they are held"});
+  v("plane", p.plane,
+    {.meaning = "normal of the plane in which the vertices may slide; none: they are held"});
   v("motion", p.motion,
     {.meaning = "keyframes; linear between them, constant before and after; none: at rest"});
   v("release", p.release,
@@ -145,6 +175,9 @@ void describe(V& v, Is<Pin> auto& p) {
      .meaning = "when the pin lets go"});
   v.check("vertices", !p.vertices || !p.vertices->empty(), "must not be empty; a pin holds something");
   v.check("near", !p.near || !p.near->empty(), "must not be empty; a pin holds something");
+  v.check("along", !p.along || !p.along->isZero(0), "must not be zero; a line needs a direction");
+  v.check("plane", !p.plane || !p.plane->isZero(0), "must not be zero; a plane needs a normal");
+  v.check("plane", !p.plane || !p.along, "must not be given together with along; give one of them");
   v.check("motion", increasing(p.motion), "times must increase from keyframe to keyframe; sort them");
 }
 
@@ -247,6 +280,10 @@ void describe(V& v, Is<Velocity> auto& s) {
   v("tolerance", s.tolerance, {.range = fraction, .meaning = "relative residual at which cg stops"});
   v("max_iterations", s.max_iterations,
     {.range = at_least(1), .meaning = "most iterations of cg in a solve"});
+  v("constraints", s.constraints,
+    {.meaning = "how pins enter cg: the matrix is projected, or its vectors are filtered (modified CG)"});
+  v.check("constraints", s.constraints == ConstraintSolver::projected || s.solver == LinearSolver::cg,
+          "modified_cg is a form of cg; mumps needs projected");
 }
 
 template<class V>
@@ -364,6 +401,14 @@ void describe(V& v, Is<Case> auto& c) {
           c.inextensibility.method == InextensibilityMethod::fast_projection || !c.has_contact(),
           "contact goes with method fast_projection only, of which it is a part; choose that method, or "
           "contact.model: none");
+  v.check(
+      "inextensibility",
+      c.inextensibility.solver != LinearSolver::mumps ||
+          (c.inextensibility.method != InextensibilityMethod::icd &&
+           c.inextensibility.method != InextensibilityMethod::sap) ||
+          std::none_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.along || p.plane; }),
+      "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
+      "solver cg");
   v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
           "must be a word without '/'; it names a folder");
 }

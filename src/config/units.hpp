@@ -16,6 +16,7 @@ enum class Unit {
   kilogram_per_metre3,
   cloth_density, ///< kg/m^2 on a surface, kg/m on a line
   cloth_bending, ///< N m on a surface, N m^2 on a line
+  cloth_stretch, ///< N/m on a surface, N on a line
   newton,
   newton_per_metre,
   per_newton,

@@ -10,11 +10,11 @@ ConstrainedStep::ConstrainedStep(const Cloth& cloth, const config::Inextensibili
     : constraints(cloth, options, weight), free(cloth.mesh.vertices.size()), x(cloth.mesh.vertices.size()),
       mu(cloth.mesh.edges.size()), options_(options) {}
 
-void ConstrainedStep::begin(const State& start, double dt, std::span<const char> prescribed,
+void ConstrainedStep::begin(const State& start, double dt, const Freedom& freedom,
                             const Candidate& candidate) {
   start_ = &start;
   dt_ = dt;
-  constraints.start(dt, prescribed);
+  constraints.start(dt, freedom);
   constraints.to_mu(candidate.force_density, mu);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = start.positions[i] + dt * candidate.velocities[i];
   constraints.evaluate(x);

@@ -18,7 +18,7 @@ public:
   ConstrainedStep(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
   /// x, mu and x0 from the candidate. `start` must outlive the step. Collective.
-  void begin(const State& start, double dt, std::span<const char> prescribed, const Candidate& candidate);
+  void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
 
   /// Calls `iterate(strain)`, which improves x and mu, at least once, until the largest strain is within the
   /// limit and `is_settled()`, with the constraints evaluated at x. `method` is for messages. Collective.

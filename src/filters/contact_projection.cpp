@@ -70,7 +70,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, doub
                     input.file.string(), thickness_, 2 * most, most));
 }
 
-FilterReport ContactProjection::apply(const State& start, double dt, std::span<const char> prescribed,
+FilterReport ContactProjection::apply(const State& start, double dt, const Freedom& freedom,
                                       Candidate& candidate) {
   FilterReport report;
   const auto timed = [&](auto&& part) {
@@ -78,11 +78,11 @@ FilterReport ContactProjection::apply(const State& start, double dt, std::span<c
     part();
     report.contact_seconds += MPI_Wtime() - began;
   };
-  begin(start, dt, prescribed, candidate);
+  begin(start, dt, freedom, candidate);
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] { search(); });
   for (iteration_ = 1;; ++iteration_) {
-    const double strain = strain_at_target(prescribed);
+    const double strain = strain_at_target(freedom);
     if (!std::isfinite(strain)) {
       report.failure = "the positions are no longer finite";
       break;
@@ -125,7 +125,7 @@ void ContactProjection::propose(Candidate& candidate) const {
   candidate.contacts = bring_home(cloth_.mesh, noted_);
 }
 
-void ContactProjection::begin(const State& start, double dt, std::span<const char> prescribed,
+void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
                               const Candidate& candidate) {
   dt_ = dt;
   recovery_ = std::min(1.0, dt / max_step_);
@@ -144,8 +144,9 @@ void ContactProjection::begin(const State& start, double dt, std::span<const cha
   for (std::size_t i = 0; i < start_.cloth.size(); ++i)
     target_.cloth[i] = start.positions[i] + dt * candidate.velocities[i];
   obstacles_.place(start.time + dt, target_.obstacles);
-  for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
-    inverse_mass_[i] = prescribed[i] ? 0.0 : 1.0 / cloth_.mass[i];
+  freedom_ = &freedom;
+  for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
+    inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
   for (std::size_t e = 0; e < shift_.size(); ++e) {
     const double strain = strain_of(cloth_, start.positions, e), most = 0.8 * limits_.strain;
     leave_[e] = (1 - recovery_) * 2 * cloth_.rest_length[e] * std::clamp(strain, -most, most);
@@ -175,7 +176,7 @@ void ContactProjection::look() {
 }
 
 /// Gradients and right-hand side of the edges at the target; returns the largest |strain| there.
-double ContactProjection::strain_at_target(std::span<const char> prescribed) {
+double ContactProjection::strain_at_target(const Freedom& freedom) {
   const DistributedMesh& mesh = cloth_.mesh;
   double max = 0;
   for (Local e = 0; e < mesh.edges.size(); ++e) {
@@ -187,7 +188,7 @@ double ContactProjection::strain_at_target(std::span<const char> prescribed) {
     const double length = d.norm();
     // |d|^2 / l - l, but of an edge that is too short no more than its missing length is asked for
     const double value = length > l ? length * length / l - l : 2 * (length / l) * (length - l);
-    residual_[e] = prescribed[a] && prescribed[b] ? 0.0 : value - leave_[e] - shift_[e] * mu_[e];
+    residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - leave_[e] - shift_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
@@ -318,7 +319,7 @@ void ContactProjection::add_friction_rows(const ContactRow& normal) {
 
 /// Moves the target to where edges and contacts want it.
 void ContactProjection::project(double strain, FilterReport& report) {
-  system_.assemble(gradient_, inverse_mass_, shift_);
+  system_.assemble(gradient_, inverse_mass_, *freedom_, shift_);
   if (contacts_ == 0) {
     const double forcing = std::clamp(0.1 * limits_.strain / strain, 1e-4, 1e-2);
     const SolveReport solved = system_.solve(residual_, forcing, change_);
@@ -328,12 +329,12 @@ void ContactProjection::project(double strain, FilterReport& report) {
     for (Local i = 0; i < mesh.vertices.owned; ++i) {
       Vec3 pull = Vec3::Zero();
       for (const EdgeEnd& end : mesh.star_of(i)) pull += end.sign * change_[end.edge] * gradient_[end.edge];
-      target_.cloth[i] -= inverse_mass_[i] * pull;
+      target_.cloth[i] -= inverse_mass_[i] * freedom_->allowed(i, pull);
     }
     mesh.vertex_halo.update(target_.cloth);
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
-    const EdgeRows edges{gradient_, inverse_mass_, shift_, residual_, tolerance_, guess_};
+    const EdgeRows edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
     report.linear_iterations += qp_.solve(edges, rows_, most_products).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];

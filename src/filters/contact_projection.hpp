@@ -34,8 +34,7 @@ public:
   /// wrong with obstacles and thickness. Collective.
   ContactProjection(const Cloth& cloth, const Case& input, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
   double thickness() const { return thickness_; } ///< m
 
@@ -45,10 +44,10 @@ private:
     std::vector<Vec3> cloth, obstacles;
   };
 
-  void begin(const State& start, double dt, std::span<const char> prescribed, const Candidate& candidate);
+  void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   void search();
   void look();
-  double strain_at_target(std::span<const char> prescribed);
+  double strain_at_target(const Freedom& freedom);
   Pressed before(const ContactKey& key) const;
   void note_contact_forces(Candidate& candidate);
   double recovered(double gap) const;
@@ -84,6 +83,7 @@ private:
 
   // of the step in hand
   double dt_ = 0;
+  const Freedom* freedom_ = nullptr;
   double fall_ = 0; ///< m that gravity moves a free vertex, at most the thickness
   int iteration_ = 0;
   Global contacts_ = 0; ///< normal rows over all ranks

@@ -9,6 +9,7 @@ namespace taut {
 struct EdgeRows {
   std::span<const Vec3> gradient;       ///< of local edges
   std::span<const double> inverse_mass; ///< of local vertices
+  const Freedom& freedom;               ///< of local vertices
   std::span<const double> shift;        ///< of owned edges
   std::span<const double> residual;     ///< C - a mu of owned edges, what their rows have to take away
   std::span<const double> tolerance;    ///< of owned edges, what may be left of it
@@ -44,8 +45,8 @@ private:
   const Cloth& cloth_;
   const ContactSearch& search_;
   ProjectionSystem& system_;
-  std::size_t edges_; ///< owned
-  EdgeRows edge_rows_;
+  std::size_t edges_;                   ///< owned
+  const EdgeRows* edge_rows_ = nullptr; ///< of the program in hand
   std::span<const ContactRow> rows_;
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
   std::vector<double> row_diagonal_; ///< compliance in it

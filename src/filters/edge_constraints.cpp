@@ -18,10 +18,11 @@ EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibili
       gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned), shift_(cloth.mesh.edges.owned),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
-void EdgeConstraints::start(double dt, std::span<const char> prescribed) {
+void EdgeConstraints::start(double dt, const Freedom& freedom) {
   dt_ = dt;
+  freedom_ = freedom;
   for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
-    inverse_mass_[i] = prescribed[i] ? 0.0 : 1.0 / cloth_.mass[i];
+    inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
   for (std::size_t e = 0; e < shift_.size(); ++e)
     shift_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
 }
@@ -44,10 +45,14 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
 }
 
 void EdgeConstraints::residual(std::span<const double> mu, std::span<double> c) const {
-  for (std::size_t e = 0; e < values_.size(); ++e) {
-    const auto& [a, b] = cloth_.mesh.edge_vertices[e];
-    c[e] = inverse_mass_[a] + inverse_mass_[b] > 0 ? values_[e] - shift_[e] * mu[e] : 0.0;
-  }
+  for (std::size_t e = 0; e < values_.size(); ++e)
+    c[e] = can_change(Local(e)) ? values_[e] - shift_[e] * mu[e] : 0.0;
+}
+
+bool EdgeConstraints::can_change(Local edge) const {
+  const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
+  const Vec3& g = gradients_[edge];
+  return !freedom_.allowed(a, g).isZero(0) || !freedom_.allowed(b, g).isZero(0);
 }
 
 void EdgeConstraints::to_mu(std::span<const double> force_density, std::span<double> mu) const {

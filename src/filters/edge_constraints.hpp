@@ -1,5 +1,6 @@
 #pragma once
 #include "src/state/cloth.hpp"
+#include "src/state/freedom.hpp"
 
 namespace taut {
 
@@ -18,23 +19,24 @@ public:
   /// compliance.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
-  /// For a step over `dt` in which the vertices marked in `prescribed` stay as they are. Not collective.
-  void start(double dt, std::span<const char> prescribed);
+  /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
+  void start(double dt, const Freedom& freedom);
 
   /// Values and gradients at `x` (local vertices); returns the largest |strain| over all ranks, infinite if
   /// one is not a number. Collective.
   double evaluate(std::span<const Vec3> x);
 
-  /// C - a mu of owned edges; 0 of those between two prescribed vertices, which cannot be changed. Not
+  /// C - a mu of owned edges; 0 of those that no motion changes, as between two held vertices. Not
   /// collective.
   void residual(std::span<const double> mu, std::span<double> c) const;
 
-  /// Of J^T mu the part of a vertex, for gradients that may be those of another place. Not collective.
+  /// Of J^T mu the part of a vertex in the directions in which it may move, for gradients that may be those
+  /// of another place. Not collective.
   Vec3 pull(Local vertex, std::span<const Vec3> gradients, std::span<const double> mu) const {
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : cloth_.mesh.star_of(vertex))
       pull += end.sign * mu[end.edge] * gradients[end.edge];
-    return pull;
+    return freedom_.allowed(vertex, pull);
   }
 
   /// mu from force densities, and back; over local edges. Not collective.
@@ -42,17 +44,19 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  double compliance() const { return compliance_; }                 ///< c, in 1/N
-  const std::vector<Vec3>& gradients() const { return gradients_; } ///< of local edges
-  std::span<const double> shift() const { return shift_; }          ///< a, of owned edges
-  std::span<const double> inverse_mass() const {
-    return inverse_mass_;
-  } ///< of local vertices, 0 if prescribed
+  double compliance() const { return compliance_; }                      ///< c, in 1/N
+  const std::vector<Vec3>& gradients() const { return gradients_; }      ///< of local edges
+  std::span<const double> shift() const { return shift_; }               ///< a, of owned edges
+  std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
+  const Freedom& freedom() const { return freedom_; }
 
 private:
+  bool can_change(Local edge) const;
+
   const Cloth& cloth_;
   double compliance_;
   double dt_ = 0;
+  Freedom freedom_;
   std::vector<Vec3> gradients_;
   std::vector<double> values_, shift_, inverse_mass_;
 };

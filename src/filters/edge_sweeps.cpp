@@ -6,20 +6,23 @@ EdgeSweeps::EdgeSweeps(const Cloth& cloth)
     : cloth_(cloth), colours_(colour_edges(cloth.mesh)), inverse_mass_(cloth.mesh.vertices.size()),
       corrections_(cloth.mesh.edges.size()) {}
 
-void EdgeSweeps::start(double dt, double compliance, std::span<const char> prescribed) {
+void EdgeSweeps::start(double dt, double compliance, const Freedom& freedom) {
   compliance_over_dt2_ = compliance / (dt * dt);
+  freedom_ = freedom;
   for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
-    inverse_mass_[i] = prescribed[i] ? 0.0 : 1.0 / cloth_.mass[i];
+    inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
 }
 
 EdgeSweeps::Correction EdgeSweeps::correction(Local edge, std::span<const Vec3> x, double s) const {
   const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
-  const double mobility = inverse_mass_[a] + inverse_mass_[b], l = cloth_.rest_length[edge],
-               softness = l * compliance_over_dt2_;
+  const double l = cloth_.rest_length[edge], softness = l * compliance_over_dt2_;
   const Vec3 d = x[b] - x[a];
   const double length = d.norm();
-  if (mobility == 0 || length == 0) return {0.0, Vec3::Zero()};
-  return {(length - l - softness * s) / (mobility + softness), d / length};
+  if (length == 0) return {0.0, Vec3::Zero()};
+  const Vec3 n = d / length;
+  const double mobility = n.dot(step(a, n) + step(b, n));
+  if (mobility == 0) return {0.0, Vec3::Zero()};
+  return {(length - l - softness * s) / (mobility + softness), n};
 }
 
 void EdgeSweeps::gauss_seidel(std::vector<Vec3>& x, std::vector<double>& s) const {
@@ -27,8 +30,8 @@ void EdgeSweeps::gauss_seidel(std::vector<Vec3>& x, std::vector<double>& s) cons
     for (const Local e : colour) {
       const auto& [a, b] = cloth_.mesh.edge_vertices[e];
       const auto [ds, normal] = correction(e, x, s[e]);
-      x[a] += inverse_mass_[a] * ds * normal;
-      x[b] -= inverse_mass_[b] * ds * normal;
+      x[a] += ds * step(a, normal);
+      x[b] -= ds * step(b, normal);
       s[e] += ds;
     }
     cloth_.mesh.vertex_halo.update(x);
@@ -45,7 +48,7 @@ void EdgeSweeps::jacobi(std::vector<Vec3>& x, std::vector<double>& s) {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     for (const EdgeEnd& end : cloth_.mesh.star_of(i)) {
       const auto& [ds, normal] = corrections_[end.edge];
-      x[i] -= part * end.sign * inverse_mass_[i] * ds * normal;
+      x[i] -= part * end.sign * ds * step(i, normal);
     }
   cloth_.mesh.vertex_halo.update(x);
 }

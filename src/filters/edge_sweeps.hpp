@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/edge_colours.hpp"
 #include "src/state/cloth.hpp"
+#include "src/state/freedom.hpp"
 
 namespace taut {
 
@@ -11,7 +12,8 @@ namespace taut {
 ///     ds = (|d| - l - a s) / (w_a + w_b + a),   x_a <- x_a + w_a ds n,   x_b <- x_b - w_b ds n,   s <- s +
 ///     ds,
 ///
-/// where w are inverse masses, a = l c/h^2 with the compliance c, the strain of an edge per newton, and s =
+/// where w are inverse masses, of a vertex that may move in some directions only w S_i n in place of w n and
+/// w n^T S_i n in place of w, a = l c/h^2 with the compliance c, the strain of an edge per newton, and s =
 /// h^2 T gives the tension T. Every rank corrects the edges around its own vertices: those cut by the
 /// partition are corrected on both sides, to the same last bit.
 class EdgeSweeps {
@@ -19,8 +21,9 @@ public:
   /// `cloth` must outlive the sweeps. Collective.
   explicit EdgeSweeps(const Cloth& cloth);
 
-  /// For a step over `dt` in which the vertices marked stay; `compliance` is c in 1/N. Not collective.
-  void start(double dt, double compliance, std::span<const char> prescribed);
+  /// For a step over `dt` in which vertices move only as `freedom` allows; `compliance` is c in 1/N. Not
+  /// collective.
+  void start(double dt, double compliance, const Freedom& freedom);
 
   /// One edge after the other, colour by colour: the order does not depend on the partition. `x` over local
   /// vertices; `s` over local edges, right at those with an end of this rank. Collective over neighbours,
@@ -38,11 +41,14 @@ private:
     double ds;
     Vec3 normal;
   };
+  /// W n = S_i n / m_i.
+  Vec3 step(Local vertex, const Vec3& n) const { return inverse_mass_[vertex] * freedom_.allowed(vertex, n); }
   Correction correction(Local edge, std::span<const Vec3> x, double s) const;
 
   const Cloth& cloth_;
   EdgeColours colours_;
-  std::vector<double> inverse_mass_; ///< of local vertices
+  Freedom freedom_;
+  std::vector<double> inverse_mass_; ///< of local vertices, 0 if held
   double compliance_over_dt2_ = 0;
   std::vector<Correction> corrections_;
 };

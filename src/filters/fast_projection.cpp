@@ -13,10 +13,10 @@ FastProjection::FastProjection(const Cloth& cloth, const config::Inextensibility
       system_(cloth.mesh, solver_options(options)), positions_(cloth.mesh.vertices.size()),
       residual_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {}
 
-FilterReport FastProjection::apply(const State& start, double dt, std::span<const char> prescribed,
+FilterReport FastProjection::apply(const State& start, double dt, const Freedom& freedom,
                                    Candidate& candidate) {
   FilterReport report;
-  constraints_.start(dt, prescribed);
+  constraints_.start(dt, freedom);
   constraints_.to_mu(candidate.force_density, mu_);
   for (;; ++report.iterations) {
     for (std::size_t i = 0; i < positions_.size(); ++i)
@@ -28,7 +28,7 @@ FilterReport FastProjection::apply(const State& start, double dt, std::span<cons
                                    strain, report.iterations, options_.strain);
       break;
     }
-    system_.assemble(constraints_.gradients(), constraints_.inverse_mass(), constraints_.shift());
+    system_.assemble(constraints_.gradients(), constraints_.inverse_mass(), freedom, constraints_.shift());
     constraints_.residual(mu_, residual_);
     const SolveReport solved = system_.solve(residual_, forcing(strain, options_.strain), change_);
     report.linear_iterations += solved.iterations;

@@ -10,10 +10,10 @@ namespace taut {
 ///
 ///     (J W J^T + a) d_mu = C(x) - a mu,   x <- x - W J^T d_mu,   mu <- mu + d_mu,
 ///
-/// with the constraints C, their gradients J and the compliance a of EdgeConstraints, and W the inverse
-/// masses (0 where the velocity is prescribed). mu = h^2 lambda is the tension of the step, that carried from
-/// the last one included. Linear momentum of a free cloth is kept to round-off whatever the accuracy of the
-/// linear solver.
+/// with the constraints C, their gradients J and the compliance a of EdgeConstraints, and W = S_i / m_i the
+/// inverse masses in the directions in which vertices may move. mu = h^2 lambda is the tension of the step,
+/// that carried from the last one included. Linear momentum of a free cloth is kept to round-off whatever the
+/// accuracy of the linear solver.
 ///
 /// Every step projects at least once, even if the candidate is within the limit: a cloth that uses up the
 /// limit first has to be stopped by a jerk.
@@ -22,8 +22,7 @@ public:
   /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   FastProjection(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
   double compliance() const { return constraints_.compliance(); } ///< in 1/N
 

@@ -22,11 +22,10 @@ Icd::Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibili
       shortest_(shortest_edge(cloth)), force_(cloth.mesh.vertices.owned), dx_(cloth.mesh.vertices.size()),
       weight_(cloth.mesh.edges.size()), gap_(cloth.mesh.edges.owned), d_mu_(cloth.mesh.edges.size()) {}
 
-FilterReport Icd::apply(const State& start, double dt, std::span<const char> prescribed,
-                        Candidate& candidate) {
-  step_.begin(start, dt, prescribed, candidate);
+FilterReport Icd::apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) {
+  step_.begin(start, dt, freedom, candidate);
   const FilterReport report = step_.solve(
-      "icd", [&](double strain) { return iterate(prescribed, strain); },
+      "icd", [&](double strain) { return iterate(freedom, strain); },
       [&] { return force_residual() <= options_.strain * shortest_; });
   step_.end(candidate);
   return report;
@@ -46,14 +45,14 @@ double Icd::force_residual() {
   return max_over(step_.mesh().comm, max);
 }
 
-SolveReport Icd::iterate(std::span<const char> prescribed, double strain) {
+SolveReport Icd::iterate(const Freedom& freedom, double strain) {
   const EdgeConstraints& c = step_.constraints;
   const bool exact = options_.solver == config::LinearSolver::mumps;
   for (std::size_t e = 0; e < weight_.size(); ++e)
     weight_[e] = 2.0 * (exact ? step_.mu[e] : std::max(step_.mu[e], 0.0)) / c.cloth().rest_length[e];
   force_residual();
   c.residual(step_.mu, gap_);
-  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.shift(), prescribed});
+  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.shift(), &freedom});
   const SolveReport solved = system_.solve(force_, gap_, forcing(strain, options_.strain), dx_, d_mu_);
   for (std::size_t i = 0; i < dx_.size(); ++i) step_.x[i] += dx_[i];
   for (std::size_t e = 0; e < d_mu_.size(); ++e) step_.mu[e] += d_mu_[e];

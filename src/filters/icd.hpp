@@ -23,11 +23,10 @@ public:
   /// `cloth` and `pattern` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
-  SolveReport iterate(std::span<const char> prescribed, double strain);
+  SolveReport iterate(const Freedom& freedom, double strain);
   double force_residual();
 
   config::Inextensibility options_;

@@ -8,9 +8,8 @@ Rattle::Rattle(const Cloth& cloth, const config::Inextensibility& options, doubl
     : shake_(cloth, options, weight), system_(cloth.mesh, solver_options(options)),
       rates_(cloth.mesh.edges.owned), eta_(cloth.mesh.edges.size()) {}
 
-FilterReport Rattle::apply(const State& start, double dt, std::span<const char> prescribed,
-                           Candidate& candidate) {
-  FilterReport report = shake_.apply("rattle", start, dt, prescribed, candidate);
+FilterReport Rattle::apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) {
+  FilterReport report = shake_.apply("rattle", start, dt, freedom, candidate);
   if (!report.failure.empty()) return report;
   const SolveReport solved = project_velocities(candidate);
   report.linear_iterations += solved.iterations;
@@ -28,7 +27,7 @@ SolveReport Rattle::project_velocities(Candidate& candidate) {
     const bool can_change = shake_.step().is_free(a) || shake_.step().is_free(b);
     rates_[e] = can_change ? c.gradients()[e].dot(candidate.velocities[b] - candidate.velocities[a]) : 0.0;
   }
-  system_.assemble(c.gradients(), c.inverse_mass(), c.shift());
+  system_.assemble(c.gradients(), c.inverse_mass(), c.freedom(), c.shift());
   const SolveReport solved = system_.solve(rates_, tolerance, eta_);
   candidate.end_velocities = candidate.velocities;
   for (Local i = 0; i < mesh.vertices.owned; ++i)

@@ -11,8 +11,7 @@ public:
   /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   Rattle(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
   SolveReport project_velocities(Candidate& candidate);

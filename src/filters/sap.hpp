@@ -20,12 +20,11 @@ public:
   /// `cloth` and `pattern` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   Sap(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
-  SolveReport iterate(std::span<const char> prescribed, double strain);
-  SolveReport move_to_least(std::span<const char> prescribed);
+  SolveReport iterate(const Freedom& freedom, double strain);
+  SolveReport move_to_least(const Freedom& freedom);
   void weigh_edges();
 
   config::Inextensibility options_;

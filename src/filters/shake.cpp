@@ -18,14 +18,13 @@ Shake::Shake(const Cloth& cloth, const config::Inextensibility& options, double 
     : options_(options), step_(cloth, options, weight), system_(cloth.mesh, nonsymmetric(options)),
       gap_(cloth.mesh.edges.owned), d_mu_(cloth.mesh.edges.size()) {}
 
-FilterReport Shake::apply(const State& start, double dt, std::span<const char> prescribed,
-                          Candidate& candidate) {
-  return apply("shake", start, dt, prescribed, candidate);
+FilterReport Shake::apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) {
+  return apply("shake", start, dt, freedom, candidate);
 }
 
-FilterReport Shake::apply(std::string_view method, const State& start, double dt,
-                          std::span<const char> prescribed, Candidate& candidate) {
-  step_.begin(start, dt, prescribed, candidate);
+FilterReport Shake::apply(std::string_view method, const State& start, double dt, const Freedom& freedom,
+                          Candidate& candidate) {
+  step_.begin(start, dt, freedom, candidate);
   step_.constraints.evaluate(start.positions);
   start_gradients_ = step_.constraints.gradients();
   step_.x = step_.free;
@@ -45,7 +44,7 @@ SolveReport Shake::iterate(double strain) {
   const EdgeConstraints& c = step_.constraints;
   const bool lagged = options_.shake.value_or(config::Shake{}).matrix == config::ShakeMatrix::lagged;
   if (!lagged || last_strain_ == 0 || strain > 0.5 * last_strain_)
-    system_.assemble(c.gradients(), start_gradients_, c.inverse_mass(), c.shift());
+    system_.assemble(c.gradients(), start_gradients_, c.inverse_mass(), c.freedom(), c.shift());
   last_strain_ = strain;
   c.residual(step_.mu, gap_);
   const SolveReport solved = system_.solve(gap_, forcing(strain, options_.strain), d_mu_);

@@ -20,11 +20,10 @@ public:
   /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
   Shake(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
   /// The same, known by the name of the method it is part of.
-  FilterReport apply(std::string_view method, const State& start, double dt, std::span<const char> prescribed,
+  FilterReport apply(std::string_view method, const State& start, double dt, const Freedom& freedom,
                      Candidate& candidate);
 
   /// As the last step left it.

@@ -5,8 +5,7 @@ namespace taut {
 SpringTension::SpringTension(const Cloth& cloth, const config::Inextensibility& options)
     : cloth_(cloth), stiffness_(options.springs.value_or(config::Springs{}).stiffness) {}
 
-FilterReport SpringTension::apply(const State& start, double dt, std::span<const char>,
-                                  Candidate& candidate) {
+FilterReport SpringTension::apply(const State& start, double dt, const Freedom&, Candidate& candidate) {
   const std::vector<Vec3>&x = start.positions, &v = candidate.velocities;
   for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];

@@ -10,8 +10,7 @@ public:
   /// `cloth` must outlive the filter.
   SpringTension(const Cloth& cloth, const config::Inextensibility& options);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
   const Cloth& cloth_;

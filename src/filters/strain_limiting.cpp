@@ -10,18 +10,18 @@ StrainLimiting::StrainLimiting(const Cloth& cloth, const config::Inextensibility
     : cloth_(cloth), options_(options), sweeps_(cloth), x_(cloth.mesh.vertices.size()),
       s_(cloth.mesh.edges.size()) {}
 
-FilterReport StrainLimiting::apply(const State& start, double dt, std::span<const char> prescribed,
+FilterReport StrainLimiting::apply(const State& start, double dt, const Freedom& freedom,
                                    Candidate& candidate) {
   const auto length = [&](Local e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
     return (x_[b] - x_[a]).norm();
   };
-  sweeps_.start(dt, 0.0, prescribed);
+  sweeps_.start(dt, 0.0, freedom);
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = start.positions[i] + dt * candidate.velocities[i];
   for (std::size_t e = 0; e < s_.size(); ++e) s_[e] = candidate.force_density[e] * length(Local(e)) * dt * dt;
   const FilterReport report = sweep_to_limit();
   for (std::size_t i = 0; i < x_.size(); ++i)
-    if (!prescribed[i]) candidate.velocities[i] = (x_[i] - start.positions[i]) / dt;
+    if (!freedom.is_held(Local(i))) candidate.velocities[i] = (x_[i] - start.positions[i]) / dt;
   for (Local e = 0; e < cloth_.mesh.edges.owned; ++e)
     candidate.force_density[e] = s_[e] / (length(e) * dt * dt);
   cloth_.mesh.edge_halo.update(candidate.force_density);

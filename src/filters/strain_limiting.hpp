@@ -12,8 +12,7 @@ public:
   /// `cloth` must outlive the filter. Collective.
   StrainLimiting(const Cloth& cloth, const config::Inextensibility& options);
 
-  FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                     Candidate& candidate) override;
+  FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
   FilterReport sweep_to_limit();

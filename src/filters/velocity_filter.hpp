@@ -1,5 +1,6 @@
 #pragma once
 #include "src/state/cloth.hpp"
+#include "src/state/freedom.hpp"
 
 #include <string>
 
@@ -20,10 +21,9 @@ class VelocityFilter {
 public:
   virtual ~VelocityFilter() = default;
 
-  /// `prescribed` marks the local vertices whose velocity must stay. Ghosts are current on entry and on exit.
+  /// Velocities must stay in the directions that `freedom` denies. Ghosts are current on entry and on exit.
   /// Collective.
-  virtual FilterReport apply(const State& start, double dt, std::span<const char> prescribed,
-                             Candidate& candidate) = 0;
+  virtual FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) = 0;
 };
 
 } // namespace taut

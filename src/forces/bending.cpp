@@ -1,11 +1,24 @@
 #include "src/forces/bending.hpp"
 
+#include <algorithm>
+#include <set>
+#include <utility>
+
 namespace taut {
 
 namespace {
 
 Vec3 weighted_sum(const std::array<Local, 3>& v, const std::array<double, 3>& w, std::span<const Vec3> x) {
   return w[0] * x[v[0]] + w[1] * x[v[1]] + w[2] * x[v[2]];
+}
+
+/// The sides of all faces, lower local number first.
+std::set<std::pair<Local, Local>> sides_of_faces(const DistributedMesh& mesh) {
+  std::set<std::pair<Local, Local>> sides;
+  for (const LocalCell& c : mesh.cells)
+    for (int k = 0; k < c.size() && c.size() > 2; ++k)
+      sides.insert(std::minmax({c.vertices[k], c.vertices[(k + 1) % c.size()]}));
+  return sides;
 }
 
 } // namespace
@@ -15,12 +28,16 @@ std::array<double, 3> curvature_weights(double l1, double l2) {
   return {scale / l1, -scale / l1 - scale / l2, scale / l2};
 }
 
-YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
-    : cloth_(cloth), damping_(damping) {
+YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads, double stiffness,
+                         double damping)
+    : name_(threads == Threads::all ? "bending" : "line_bending"), cloth_(cloth), damping_(damping) {
   const DistributedMesh& mesh = cloth.mesh;
+  const auto sides = threads == Threads::lines ? sides_of_faces(mesh) : std::set<std::pair<Local, Local>>();
   const auto& rest = mesh.rest_positions;
   stencils_.reserve(mesh.triples.size());
   for (const auto& t : mesh.triples) {
+    // Yarns and chains of lines never join, so one edge, of a cell this rank knows, tells for both.
+    if (sides.contains(std::minmax({t[0], t[1]})) || sides.contains(std::minmax({t[1], t[2]}))) continue;
     auto weights = curvature_weights((rest[t[1]] - rest[t[0]]).norm(), (rest[t[2]] - rest[t[1]]).norm());
     for (double& w : weights) w *= std::sqrt(stiffness * cloth.measure[t[1]]);
     stencils_.push_back({t, weights, pattern.slots<3>(t)});
@@ -39,7 +56,7 @@ void YarnBending::add_to(StepSystem& system, const State& state) const {
   for (const Stencil& s : stencils_) {
     const Vec3 sum = weighted_sum(s.vertices, s.weights, state.positions);
     for (int k = 0; k < 3; ++k) system.add_force(s.vertices[k], -s.weights[k] * sum);
-    system.add_outer<3>(s.slots, s.weights, 1.0, damping_);
+    system.add_outer<3>(s.vertices, s.slots, s.weights, 1.0, damping_);
   }
 }
 

@@ -3,6 +3,9 @@
 
 namespace taut {
 
+/// Which threads bend: all yarns, or only chains of line elements.
+enum class Threads { all, lines };
+
 /// Isometric bending along yarns. At every vertex a yarn passes through, with neighbours b and a at rest
 /// distances l1 and l2, the curvature vector is kappa = 2/(l1 + l2) ((x_a - x)/l2 - (x - x_b)/l1) and the
 /// energy B/2 |kappa|^2 A with the bending stiffness B (N m) and the area A of the vertex: quadratic in the
@@ -11,9 +14,9 @@ namespace taut {
 class YarnBending : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
-  YarnBending(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+  YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads, double stiffness, double damping);
 
-  std::string_view name() const override { return "bending"; }
+  std::string_view name() const override { return name_; }
   double energy(const State& state) const override;
   void add_to(StepSystem& system, const State& state) const override;
 
@@ -24,6 +27,7 @@ private:
     std::array<std::int32_t, 9> slots;
   };
 
+  std::string_view name_;
   const Cloth& cloth_;
   double damping_;
   std::vector<Stencil> stencils_;

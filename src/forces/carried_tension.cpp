@@ -15,7 +15,7 @@ void CarriedTension::add_to(StepSystem& system, const State& state) const {
     for (const EdgeEnd& end : cloth_.mesh.star_of(i)) {
       const double q = std::max(state.force_density[end.edge], 0.0);
       pull += q * (state.positions[end.other] - state.positions[i]);
-      system.add_laplacian(i, *slot++, q);
+      system.add_laplacian(i, end.other, *slot++, q);
     }
     system.add_force(i, pull);
   }

@@ -1,5 +1,8 @@
 #include "src/forces/shear.hpp"
 
+#include "src/forces/stretch.hpp"
+#include "src/state/material_coordinates.hpp"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -18,33 +21,43 @@ Vec3 weighted_sum(const std::array<double, 4>& c, const std::array<Vec3, 4>& x) 
 
 } // namespace
 
-QuadShearStencil quad_shear_stencil(const std::array<Vec3, 4>& p) {
+ShearStencil quad_shear_stencil(const std::array<Vec3, 4>& p) {
   const double u = 1.0 / ((p[1] - p[0]).norm() + (p[2] - p[3]).norm());
   const double v = 1.0 / ((p[3] - p[0]).norm() + (p[2] - p[1]).norm());
-  QuadShearStencil s{{-u, u, u, -u}, {-v, -v, v, v}, 0.0};
+  ShearStencil s{{-u, u, u, -u}, {-v, -v, v, v}, 0.0};
   s.rest = weighted_sum(s.c_u, p).dot(weighted_sum(s.c_v, p));
   return s;
 }
 
-ShearValue evaluate(const QuadShearStencil& s, const std::array<Vec3, 4>& x) {
+ShearStencil triangle_shear_stencil(const Corners2& m) {
+  const auto [u, v] = tangent_coefficients(m);
+  return {{u[0], u[1], u[2], 0.0}, {v[0], v[1], v[2], 0.0}, 0.0};
+}
+
+ShearValue evaluate(const ShearStencil& s, const std::array<Vec3, 4>& x) {
   const Vec3 w_u = weighted_sum(s.c_u, x), w_v = weighted_sum(s.c_v, x);
   ShearValue value{w_u.dot(w_v) - s.rest, {}};
   for (int k = 0; k < 4; ++k) value.gradient[k] = s.c_u[k] * w_v + s.c_v[k] * w_u;
   return value;
 }
 
-QuadShear::QuadShear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
+Shear::Shear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
     : cloth_(cloth), damping_(damping) {
-  for (const LocalCell& cell : cloth.mesh.cells) {
-    if (cell.size() != 4) continue;
-    const auto p = corners(cell.vertices, cloth.mesh.rest_positions);
-    const double area = 0.5 * (p[2] - p[0]).cross(p[3] - p[1]).norm();
-    elements_.push_back(
-        {cell.vertices, quad_shear_stencil(p), stiffness * area, pattern.slots<4>(cell.vertices)});
+  const DistributedMesh& mesh = cloth.mesh;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    auto v = mesh.cells[c].vertices;
+    if (mesh.cells[c].size() == 2) continue;
+    const bool quad = mesh.cells[c].size() == 4;
+    if (!quad) v[3] = v[0];
+    const auto p = corners(v, mesh.rest_positions);
+    const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
+    elements_.push_back({v,
+                         quad ? quad_shear_stencil(p) : triangle_shear_stencil(material_coordinates(mesh, c)),
+                         stiffness * area, pattern.slots<4>(v)});
   }
 }
 
-double QuadShear::energy(const State& state) const {
+double Shear::energy(const State& state) const {
   double energy = 0;
   for (const Element& e : elements_) {
     if (!cloth_.mesh.owns_vertex(e.vertices[0])) continue;
@@ -54,15 +67,20 @@ double QuadShear::energy(const State& state) const {
   return energy;
 }
 
-void QuadShear::add_to(StepSystem& system, const State& state) const {
+void Shear::add_to(StepSystem& system, const State& state) const {
   for (const Element& e : elements_) {
     const auto [c, gradient] = evaluate(e.stencil, corners(e.vertices, state.positions));
-    for (int k = 0; k < 4; ++k) system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
+    double rate = 0;
+    for (int k = 0; k < 4; ++k) {
+      system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
+      rate += gradient[k].dot(state.velocities[e.vertices[k]]);
+    }
     system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * damping_);
-    std::array<double, 4>
-        half; // C (c_u c_v^T + c_v c_u^T) = C/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
-    for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (c > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
-    system.add_outer<4>(e.slots, half, 0.5 * e.stiffness * std::abs(c), 0.0);
+    // f (c_u c_v^T + c_v c_u^T) = f/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
+    const double f = e.stiffness * (c + damping_ * rate);
+    std::array<double, 4> half;
+    for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (f > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
+    system.add_outer<4>(e.vertices, e.slots, half, 0.5 * std::abs(f), 0.0);
   }
 }
 

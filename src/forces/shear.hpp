@@ -3,12 +3,12 @@
 
 namespace taut {
 
-/// The shear condition of a quad with warp and weft directions w_u = sum c_u x, w_v = sum c_v x (means of its
-/// opposite edges over their rest lengths): C = w_u . w_v - rest, the cosine of the angle between the yarns
-/// [BW98 section 4.3, on a quad].
-struct QuadShearStencil {
-  std::array<double, 4> c_u, c_v;
-  double rest; ///< w_u . w_v in the rest shape
+/// The shear condition of a face with warp and weft directions w_u = sum c_u x, w_v = sum c_v x: C = w_u .
+/// w_v - rest, the cosine of the angle between the yarns [BW98 section 4.3]. On a quad, w_u and w_v are the
+/// means of its opposite sides over their rest lengths.
+struct ShearStencil {
+  std::array<double, 4> c_u, c_v; ///< 1/m; the fourth is 0 on a triangle
+  double rest;                    ///< w_u . w_v in the rest shape
 };
 
 struct ShearValue {
@@ -16,16 +16,22 @@ struct ShearValue {
   std::array<Vec3, 4> gradient; ///< dC/dx
 };
 
-QuadShearStencil quad_shear_stencil(const std::array<Vec3, 4>& rest);
-ShearValue evaluate(const QuadShearStencil& stencil, const std::array<Vec3, 4>& x);
+ShearStencil quad_shear_stencil(const std::array<Vec3, 4>& rest);
+ShearStencil triangle_shear_stencil(const Corners2& material_coordinates);
+ShearValue evaluate(const ShearStencil& stencil, const std::array<Vec3, 4>& x);
 
-/// Shear of quads: E = G A / 2 C^2 with the shear stiffness G (N/m) and the rest area A. Of the Hessian
+/// Shear of faces: E = G A / 2 C^2 with the shear stiffness G (N/m) and the rest area A; on triangles this is
+/// BW98's condition with sqrt(A) in the place of A, which keeps its stiffness on a finer mesh. Of the Hessian
 /// G A (dC dC^T + C (c_u c_v^T + c_v c_u^T) (x) I), the negative half of the second term is left out: for C >
 /// 0 that of (c_u - c_v), for C < 0 that of (c_u + c_v).
-class QuadShear : public Force {
+///
+/// Damping is d = -k_d dC Cdot with k_d = damping times G A [BW98 section 4.5]. Of its derivative by
+/// positions the half of Cdot (c_u c_v^T + c_v c_u^T) (x) I that is positive together with the term above is
+/// kept; dC (dCdot/dx)^T is left out, as in the paper, for it is not symmetric.
+class Shear : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
-  QuadShear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+  Shear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
 
   std::string_view name() const override { return "shear"; }
   double energy(const State& state) const override;
@@ -33,8 +39,8 @@ public:
 
 private:
   struct Element {
-    std::array<Local, 4> vertices;
-    QuadShearStencil stencil;
+    std::array<Local, 4> vertices; ///< of a triangle, the first one again
+    ShearStencil stencil;
     double stiffness; ///< G A
     std::array<std::int32_t, 16> slots;
   };

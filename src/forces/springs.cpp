@@ -38,8 +38,9 @@ void Springs::add_to(StepSystem& system, const State& state) const {
     system.add_force(a, tension);
     system.add_force(b, -tension);
     const double across = std::max(1 - l / length, 0.0), k = stiffness_ / l;
-    system.add_outer<2>(element.slots, {-1, 1}, across * k, 0.0);
-    system.add_rank_one({a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()}, (1 - across) * k, damping_ * k);
+    system.add_outer<2>({a, b}, element.slots, {-1, 1}, across * k, 0.0);
+    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()},
+                        (1 - across) * k, damping_ * k);
   }
 }
 

@@ -61,17 +61,17 @@ AssembledMatrix::AssembledMatrix(const DistributedMesh& mesh, const Pattern& pat
 void AssembledMatrix::collect_blocks(const FilteredOperator& filtered) {
   const VertexMatrix& matrix = filtered.matrix();
   for (std::size_t k = 0; k < blocks_.size(); ++k) blocks_[k] = matrix.values()[k] * Mat3::Identity();
-  for (const VertexMatrix::RankOne& r : matrix.rank_ones())
-    for (int a = 0; a < 4; ++a) {
+  matrix.for_each_rank_one([&](const auto& r) {
+    for (std::size_t a = 0; a < r.vertices.size(); ++a) {
       if (!mesh_.owns_vertex(r.vertices[a])) continue;
-      for (int b = 0; b < 4; ++b)
+      for (std::size_t b = 0; b < r.vertices.size(); ++b)
         blocks_[pattern_.slot(r.vertices[a], r.vertices[b])] += r.gradient[a] * r.gradient[b].transpose();
     }
+  });
   for (Local row = 0; row < pattern_.rows(); ++row) {
     Mat3* block = blocks_.data() + pattern_.offset(row);
     for (const Local column : pattern_.columns(row)) {
-      if (filtered.prescribed()[row] || filtered.prescribed()[column])
-        *block = row == column ? Mat3(Mat3::Identity()) : Mat3(Mat3::Zero());
+      *block = filtered.filtered(row, column, *block);
       ++block;
     }
   }

@@ -14,11 +14,11 @@ AxisCholesky::AxisCholesky(const Pattern& pattern) : pattern_(pattern) {
   diagonal_.resize(pattern.rows());
 }
 
-void AxisCholesky::factor(const VertexMatrix& matrix, std::span<const char> prescribed) {
+void AxisCholesky::factor(const VertexMatrix& matrix, const Freedom& freedom) {
   constexpr double least_shift = 0.1; // a smaller one leaves factors that are whole but poor
   for (double shift = 0;; shift = std::max(2 * shift, least_shift)) {
     collect(matrix);
-    leave_out(prescribed);
+    leave_out(freedom);
     for (double& d : diagonal_) d = (1 + shift) * (d > 0 ? d : 1 - d);
     if (eliminate()) return;
   }
@@ -65,21 +65,22 @@ void AxisCholesky::collect(const VertexMatrix& matrix) {
       ++value;
     }
   }
-  for (const VertexMatrix::RankOne& r : matrix.rank_ones())
-    for (int a = 0; a < 4; ++a) {
+  matrix.for_each_rank_one([&](const auto& r) {
+    for (std::size_t a = 0; a < r.vertices.size(); ++a) {
       const Local row = r.vertices[a];
       if (row >= pattern_.rows()) continue;
       diagonal_[row] += r.gradient[a].squaredNorm() / 3.0;
-      for (int b = 0; b < 4; ++b)
+      for (std::size_t b = 0; b < r.vertices.size(); ++b)
         if (r.vertices[b] < row) *entry(row, r.vertices[b]) += r.gradient[a].dot(r.gradient[b]) / 3.0;
     }
+  });
 }
 
-void AxisCholesky::leave_out(std::span<const char> prescribed) {
+void AxisCholesky::leave_out(const Freedom& freedom) {
   for (Local row = 0; row < pattern_.rows(); ++row) {
-    if (prescribed[row]) diagonal_[row] = 1.0;
+    if (freedom.is_held(row)) diagonal_[row] = 1.0;
     for (std::int32_t a = offsets_[row]; a < offsets_[row + 1]; ++a)
-      if (prescribed[row] || prescribed[columns_[a]]) lower_[a] = 0.0;
+      if (freedom.is_held(row) || freedom.is_held(columns_[a])) lower_[a] = 0.0;
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/linear/vertex_matrix.hpp"
+#include "src/state/freedom.hpp"
 
 namespace taut {
 
@@ -12,11 +13,11 @@ public:
   /// `pattern` must outlive the factor.
   explicit AxisCholesky(const Pattern& pattern);
 
-  /// Prescribed vertices get the identity. If a pivot comes out too small, it starts again with a larger
-  /// diagonal [Manteuffel 1980]. A matrix that is not positive definite is for the solver to find out: entries
-  /// of the diagonal below 0 are made positive. Depends on nothing but its arguments, so that a resumed run
-  /// goes on exactly as the unbroken one. Not collective.
-  void factor(const VertexMatrix& matrix, std::span<const char> prescribed);
+  /// Held vertices get the identity; those that may move in some directions count as free. If a pivot comes
+  /// out too small, it starts again with a larger diagonal [Manteuffel 1980]. A matrix that is not positive
+  /// definite is for the solver to find out: entries of the diagonal below 0 are made positive. Depends on
+  /// nothing but its arguments, so that a resumed run goes on exactly as the unbroken one. Not collective.
+  void factor(const VertexMatrix& matrix, const Freedom& freedom);
 
   /// x = (L D L^T)^-1 b over owned vertices. Not collective.
   void solve(std::span<const Vec3> b, std::span<Vec3> x) const;
@@ -24,7 +25,7 @@ public:
 private:
   void collect(const VertexMatrix& matrix);
   bool eliminate();
-  void leave_out(std::span<const char> prescribed);
+  void leave_out(const Freedom& freedom);
   double* entry(Local row, Local column);
 
   const Pattern& pattern_;

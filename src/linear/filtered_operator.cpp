@@ -6,25 +6,38 @@
 
 namespace taut {
 
-void FilteredOperator::set(const VertexMatrix& matrix, std::span<const char> prescribed) {
+void FilteredOperator::set(const VertexMatrix& matrix, const Freedom& freedom) {
   matrix_ = &matrix;
-  prescribed_ = prescribed;
+  freedom_ = &freedom;
   x_.resize(mesh_.vertices.size());
   y_.resize(mesh_.vertices.size());
 }
 
+/// d of the vertex.
+double FilteredOperator::scale(Local vertex) const {
+  return freedom_->is_held(vertex) ? 1.0 : matrix_->values()[matrix_->pattern().diagonal(vertex)];
+}
+
 void FilteredOperator::apply(std::span<const Vec3> x, std::span<Vec3> y) const {
   const Local owned = mesh_.vertices.owned;
-  for (Local i = 0; i < owned; ++i) x_[i] = prescribed_[i] ? Vec3(Vec3::Zero()) : x[i];
+  for (Local i = 0; i < owned; ++i) x_[i] = freedom_->allowed(i, x[i]);
   mesh_.vertex_halo.update(x_);
   matrix_->multiply(x_, y_);
-  for (Local i = 0; i < owned; ++i) y[i] = prescribed_[i] ? x[i] : y_[i];
+  for (Local i = 0; i < owned; ++i)
+    y[i] = freedom_->is_free(i) ? y_[i]
+                                : Vec3(freedom_->allowed(i, y_[i]) + scale(i) * freedom_->denied(i, x[i]));
+}
+
+Mat3 FilteredOperator::filtered(Local row, Local column, const Mat3& block) const {
+  if (freedom_->is_free(row) && freedom_->is_free(column)) return block;
+  const Mat3 s = freedom_->projector(row);
+  const Mat3 inner = s * block * freedom_->projector(column);
+  return row == column ? Mat3(inner + scale(row) * (Mat3::Identity() - s)) : inner;
 }
 
 void FilteredOperator::diagonal_blocks(std::span<Mat3> blocks) const {
   matrix_->diagonal_blocks(blocks);
-  for (Local i = 0; i < mesh_.vertices.owned; ++i)
-    if (prescribed_[i]) blocks[i].setIdentity();
+  for (Local i = 0; i < mesh_.vertices.owned; ++i) blocks[i] = filtered(i, i, blocks[i]);
 }
 
 void FilteredOperator::inverse_diagonal_blocks(std::span<Mat3> blocks) const {

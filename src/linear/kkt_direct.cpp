@@ -87,10 +87,12 @@ void KktSystem::Direct::fix_pattern() {
 }
 
 void KktSystem::Direct::assemble(const Terms& t) {
+  if (t.freedom->has_sliding())
+    throw std::invalid_argument("KktSystem: mumps cannot keep vertices on a line or in a plane");
   terms_ = t;
   values_.clear();
   const auto add = [&](double value) { values_.push_back(value); };
-  const auto free = [&](Local i) { return !t.prescribed[i]; };
+  const auto free = [&](Local i) { return t.freedom->is_free(i); };
   visit(
       mesh_,
       [&](Local i) {
@@ -116,8 +118,7 @@ SolveReport KktSystem::Direct::solve(std::span<const Vec3> f, std::span<const do
   const Local vertices = mesh_.vertices.owned, edges = mesh_.edges.owned;
   double* out = nullptr;
   check(VecGetArrayWrite(rhs_, &out));
-  for (Local i = 0; i < vertices; ++i)
-    Eigen::Map<Vec3>(out + 3 * i) = terms_.prescribed[i] ? Vec3(Vec3::Zero()) : Vec3(f[i]);
+  for (Local i = 0; i < vertices; ++i) Eigen::Map<Vec3>(out + 3 * i) = terms_.freedom->allowed(i, f[i]);
   for (Local e = 0; e < edges; ++e) out[3 * vertices + e] = -c[e];
   check(VecRestoreArrayWrite(rhs_, &out));
   const SolveReport report = solver_.solve(rhs_, solution_, tolerance);

@@ -22,7 +22,7 @@ private:
   OwnedVec rhs_, solution_;
   LinearSolver solver_;
   std::vector<PetscScalar> values_; ///< in the order of `visit_entries`
-  Terms terms_;
+  Terms terms_{};
 };
 
 } // namespace taut

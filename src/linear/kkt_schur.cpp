@@ -36,14 +36,14 @@ void KktSystem::Schur::assemble(const Terms& terms) {
   fill_stiffened_mass(mesh_, slots_, terms.mass, terms.weight, stiffened_mass_);
   const Pattern& pattern = stiffened_mass_.pattern();
   for (Local i = 0; i < mesh_.vertices.owned; ++i)
-    inverse_[i] = terms.prescribed[i] ? 0.0 : 1.0 / stiffened_mass_.values()[pattern.diagonal(i)];
+    inverse_[i] = terms.freedom->is_held(i) ? 0.0 : 1.0 / stiffened_mass_.values()[pattern.diagonal(i)];
   mesh_.vertex_halo.update(inverse_);
-  edges_.assemble(terms.gradient, inverse_, terms.shift);
+  edges_.assemble(terms.gradient, inverse_, *terms.freedom, terms.shift);
 }
 
 void KktSystem::Schur::solve_vertices(std::span<const Vec3> b, double tolerance, std::vector<Vec3>& x) {
   std::fill(x.begin(), x.end(), Vec3::Zero());
-  const SolveReport solved = vertices_.solve(stiffened_mass_, b, terms_.prescribed, tolerance, x);
+  const SolveReport solved = vertices_.solve(stiffened_mass_, b, *terms_.freedom, tolerance, x);
   if (!solved.failure.empty()) failure_ = solved.failure;
 }
 
@@ -72,7 +72,7 @@ void KktSystem::Schur::apply(std::span<const double> mu, std::span<double> produ
   differences(x_, product);
   for (Local e = 0; e < mesh_.edges.owned; ++e) {
     const auto& [a, b] = mesh_.edge_vertices[e];
-    if (terms_.prescribed[a] && terms_.prescribed[b])
+    if (terms_.freedom->is_held(a) && terms_.freedom->is_held(b))
       product[e] = mu[e];
     else
       product[e] += terms_.shift[e] * mu[e];

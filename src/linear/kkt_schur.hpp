@@ -14,7 +14,7 @@ struct KktSystem::Schur {
                     std::vector<Vec3>& dx, std::vector<double>& dmu);
 
 private:
-  /// x = A^-1 b, keeping the prescribed vertices at 0; a failure is kept in `failure_`.
+  /// x = A^-1 b, 0 where vertices may not move; a failure is kept in `failure_`.
   void solve_vertices(std::span<const Vec3> b, double tolerance, std::vector<Vec3>& x);
   void apply(std::span<const double> mu, std::span<double> product, double tolerance);
   void gather(std::span<const double> mu, std::span<Vec3> pull) const;       ///< J^T mu, mu over local edges
@@ -25,7 +25,7 @@ private:
   VertexMatrix stiffened_mass_;
   VelocitySystem vertices_;
   ProjectionSystem edges_;
-  Terms terms_;
+  Terms terms_{};
   std::string failure_;
   std::vector<Vec3> b_, x_;
   std::vector<double> mu_, rhs_, inverse_;

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/linear/solver_options.hpp"
 #include "src/linear/vertex_matrix.hpp"
+#include "src/state/freedom.hpp"
 
 #include <memory>
 
@@ -12,7 +13,8 @@ namespace taut {
 ///     [ J   -a  ] [ dmu ] = [ -c ],      A = M + L(w),
 ///
 /// where L(w) is the Laplacian of the edges with weights w: the geometric stiffness of their tensions. 3 rows
-/// a vertex and one a constrained edge; prescribed vertices stay, with dx = 0.
+/// a vertex and one a constrained edge; vertices move only in the directions S_i in which they are free, dx =
+/// S dx, which takes S A S and J S in place of A and J.
 ///
 /// `mumps` factorises the whole matrix (L D L^T; PETSc prefix `-kkt_`). `cg` eliminates the vertices:
 ///
@@ -32,15 +34,15 @@ public:
     std::span<const double> weight; ///< w, kg, of local edges
     std::span<const Vec3>
         gradient; ///< J, of local edges: by the second vertex of an edge, minus that by its first
-    std::span<const double> shift;    ///< a, of owned edges
-    std::span<const char> prescribed; ///< local vertices
+    std::span<const double> shift; ///< a, of owned edges
+    const Freedom* freedom;        ///< of local vertices
   };
 
-  /// Collective.
+  /// With mumps vertices can only be free or held: throws std::invalid_argument for others. Collective.
   void assemble(const Terms& terms);
 
   /// Solves for `dx` and `dmu` over local vertices and edges, ghosts current, given f and c of owned ones; to
-  /// the relative tolerance given. c is 0 on an edge between two prescribed vertices. Collective.
+  /// the relative tolerance given. c is 0 on an edge between two held vertices. Collective.
   SolveReport solve(std::span<const Vec3> f, std::span<const double> c, double tolerance,
                     std::vector<Vec3>& dx, std::vector<double>& dmu);
 

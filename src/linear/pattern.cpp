@@ -24,7 +24,9 @@ Pattern::Pattern(const DistributedMesh& mesh) {
   couplings.reserve(16 * mesh.cells.size() + 9 * mesh.triples.size());
   for (const LocalCell& c : mesh.cells)
     append_pairs({c.vertices.data(), std::size_t(c.size())}, owned, couplings);
-  for (const auto& t : mesh.triples) append_pairs(t, owned, couplings);
+  if (!mesh.triangles_only) // where they are yarns, and bend
+    for (const auto& t : mesh.triples) append_pairs(t, owned, couplings);
+  for (const Hinge& h : mesh.hinges) append_pairs(vertices_of(h), owned, couplings);
   std::sort(couplings.begin(), couplings.end());
   couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
   if (couplings.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))

@@ -4,7 +4,7 @@
 namespace taut {
 
 /// Which vertices act on which: the rows of owned vertices, over local columns, of every matrix between
-/// vertices. Two vertices are coupled if they share a cell or a yarn triple. Fixed for a mesh.
+/// vertices. Two vertices are coupled if they share a cell, a yarn triple or a hinge. Fixed for a mesh.
 class Pattern {
 public:
   /// Not collective.

@@ -130,7 +130,7 @@ struct ProjectionSystem::Petsc {
 
   void fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
             std::span<const Vec3> column_gradient, std::span<const double> inverse_mass,
-            std::span<const double> shift);
+            const Freedom& freedom, std::span<const double> shift);
   SolveReport solve(const DistributedMesh& mesh, Mat system, std::span<const double> b, double tolerance,
                     std::vector<double>& mu);
 
@@ -167,35 +167,43 @@ ProjectionSystem::~ProjectionSystem() = default;
 
 void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
                                    std::span<const Vec3> column_gradient,
-                                   std::span<const double> inverse_mass, std::span<const double> shift) {
+                                   std::span<const double> inverse_mass, const Freedom& freedom,
+                                   std::span<const double> shift) {
   std::fill(rows.own.values.begin(), rows.own.values.end(), 0.0);
   std::fill(rows.ghost.values.begin(), rows.ghost.values.end(), 0.0);
   auto coupling = rows.coupling.begin();
   for (Local e = 0; e < mesh.edges.owned; ++e) {
     const auto& [a, b] = mesh.edge_vertices[e];
-    const Vec3& g = row_gradient[e];
-    const double mobility = inverse_mass[a] + inverse_mass[b];
-    rows.value(rows.diagonal[e]) = mobility > 0 ? mobility * g.dot(column_gradient[e]) + shift[e] : 1.0;
-    for_each_coupling(mesh, e, [&](Local vertex, Local other, double sign) {
-      rows.value(*coupling++) += sign * inverse_mass[vertex] * g.dot(column_gradient[other]);
+    const Vec3 at_a = inverse_mass[a] * freedom.allowed(a, row_gradient[e]),
+               at_b = inverse_mass[b] * freedom.allowed(b, row_gradient[e]); // a row of J W
+    const bool can_change = !at_a.isZero(0) || !at_b.isZero(0);
+    rows.value(rows.diagonal[e]) = can_change ? (at_a + at_b).dot(column_gradient[e]) + shift[e] : 1.0;
+    for_each_coupling(mesh, e, [&, a = a](Local vertex, Local other, double sign) {
+      rows.value(*coupling++) += sign * (vertex == a ? at_a : at_b).dot(column_gradient[other]);
     });
   }
 }
 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
                                 std::span<const double> shift) {
+  assemble(gradient, inverse_mass, Freedom(inverse_mass.size()), shift);
+}
+
+void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
+                                const Freedom& freedom, std::span<const double> shift) {
   Petsc& p = *petsc_;
-  p.fill(mesh_, gradient, gradient, inverse_mass, shift);
+  p.fill(mesh_, gradient, gradient, inverse_mass, freedom, shift);
   p.update_blocks();
   p.mark();
 }
 
 void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3> columns,
-                                std::span<const double> inverse_mass, std::span<const double> shift) {
+                                std::span<const double> inverse_mass, const Freedom& freedom,
+                                std::span<const double> shift) {
   Petsc& p = *petsc_;
-  p.fill(mesh_, columns, columns, inverse_mass, shift);
+  p.fill(mesh_, columns, columns, inverse_mass, freedom, shift);
   p.update_blocks();
-  p.fill(mesh_, rows, columns, inverse_mass, shift);
+  p.fill(mesh_, rows, columns, inverse_mass, freedom, shift);
   p.mark();
 }
 

@@ -10,10 +10,16 @@ struct SolverOptions {
     mumps, ///< distributed factorisation: Cholesky, L D L^T or L U
   };
   enum class Matrix { positive_definite, indefinite, nonsymmetric };
+  /// How velocities that are prescribed are kept, where there are any.
+  enum class Constraints {
+    projected, ///< the matrix is restricted to the free directions [Ascher and Boxerman 2003]
+    filtered   ///< each vector of CG is [BW98 section 5.2]
+  };
 
   Kind kind = Kind::cg;
   int max_iterations = 1000;
   Matrix matrix = Matrix::positive_definite;
+  Constraints constraints = Constraints::projected;
 };
 
 struct SolveReport {

@@ -25,9 +25,14 @@ public:
     dt_ = dt;
     stiffness_factor_ = dt * dt;
     matrix_.clear();
+    alteration_ = {};
     std::fill(rhs_.begin(), rhs_.end(), Vec3::Zero());
   }
 
+  /// For a step that moves positions by h v' + y [BW98 section 6, position alteration]: stiffness acts on y
+  /// too, so h K y is taken off the right-hand side for all stiffness added from now on, up to the next
+  /// start. `y` in m over local vertices; it must live as long.
+  void alter_positions(std::span<const Vec3> y) { alteration_ = y; }
   /// As `start`, for forces taken at the step's start.
   void start_explicit(double dt) {
     start(dt);
@@ -47,23 +52,31 @@ public:
   /// D += d I at an owned vertex; d in N s/m.
   void add_damping(Local vertex, double d) { matrix_.add_diagonal(vertex, dt_ * d); }
 
-  /// K(i, i) += k I and K(i, j) -= k I for an owned vertex i: its row of a weighted Laplacian. `slot` is that
-  /// of (i, j).
-  void add_laplacian(Local vertex, std::int32_t slot, double k) {
+  /// K(i, i) += k I and K(i, j) -= k I for an owned vertex i and its neighbour j: its row of a weighted
+  /// Laplacian. `slot` is that of (i, j).
+  void add_laplacian(Local vertex, Local other, std::int32_t slot, double k) {
     matrix_.add_diagonal(vertex, stiffness_factor_ * k);
     matrix_.add_entry(slot, -stiffness_factor_ * k);
+    if (!alteration_.empty()) rhs_[vertex] -= dt_ * k * (alteration_[vertex] - alteration_[other]);
   }
 
-  /// K += k w w^T (x) I_3 and D += d w w^T (x) I_3 over a stencil; k in N/m, d in N s/m, for w without a
-  /// unit.
+  /// K += k w w^T (x) I_3 and D += d w w^T (x) I_3 over a stencil of vertices with their slots; k in N/m, d
+  /// in N s/m, for w without a unit.
   template<std::size_t n>
-  void add_outer(const std::array<std::int32_t, n * n>& slots, const std::array<double, n>& w, double k,
-                 double d) {
+  void add_outer(const std::array<Local, n>& vertices, const std::array<std::int32_t, n * n>& slots,
+                 const std::array<double, n>& w, double k, double d) {
     matrix_.add_outer<n>(slots, w, stiffness_factor_ * k + dt_ * d);
+    if (alteration_.empty()) return;
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t a = 0; a < n; ++a) sum += w[a] * alteration_[vertices[a]];
+    for (std::size_t a = 0; a < n; ++a) rhs_[vertices[a]] -= dt_ * k * w[a] * sum;
   }
 
-  /// K += k g g^T and D += d g g^T over a stencil of up to four vertices (see VertexMatrix::RankOne).
-  void add_rank_one(const std::array<Local, 4>& vertices, std::array<Vec3, 4> gradient, double k, double d) {
+  /// K += k g g^T and D += d g g^T over a stencil of up to four, or six, vertices (see
+  /// VertexMatrix::RankOneOver).
+  template<std::size_t n>
+  void add_rank_one(const std::array<Local, n>& vertices, std::array<Vec3, n> gradient, double k, double d) {
+    alter(vertices, gradient, k);
     const double scale = std::sqrt(stiffness_factor_ * k + dt_ * d);
     for (Vec3& g : gradient) g *= scale;
     matrix_.add_rank_one(vertices, gradient);
@@ -80,7 +93,16 @@ public:
   std::span<const Vec3> rhs() const { return rhs_; }
 
 private:
+  template<std::size_t n>
+  void alter(const std::array<Local, n>& vertices, const std::array<Vec3, n>& gradient, double k) {
+    if (alteration_.empty()) return;
+    double sum = 0;
+    for (std::size_t a = 0; a < n; ++a) sum += gradient[a].dot(alteration_[vertices[a]]);
+    for (std::size_t a = 0; a < n; ++a) rhs_[vertices[a]] -= dt_ * k * sum * gradient[a];
+  }
+
   double dt_ = 0;
+  std::span<const Vec3> alteration_;
   double stiffness_factor_ = 0; ///< dt^2, or 0 for an explicit step
   VertexMatrix matrix_;
   std::vector<Vec3> rhs_;

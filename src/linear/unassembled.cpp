@@ -51,7 +51,7 @@ PetscErrorCode set_up_axis(PC pc) {
              "pc_type axis works on the velocity matrix only");
   const UnassembledMatrix::Parts& parts = parts_of(pc->pmat);
   if (!pc->data) pc->data = new AxisCholesky(parts.pattern);
-  static_cast<AxisCholesky*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.prescribed());
+  static_cast<AxisCholesky*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.freedom());
   PetscFunctionReturn(0);
 }
 
@@ -83,8 +83,8 @@ UnassembledMatrix::UnassembledMatrix(const DistributedMesh& mesh, const Pattern&
   check(MatShellSetOperation(shell_, MATOP_GET_DIAGONAL, reinterpret_cast<void (*)()>(get_diagonal)));
 }
 
-void UnassembledMatrix::set(const VertexMatrix& matrix, std::span<const char> prescribed) {
-  parts_->filtered.set(matrix, prescribed);
+void UnassembledMatrix::set(const VertexMatrix& matrix, const Freedom& freedom) {
+  parts_->filtered.set(matrix, freedom);
   mark_changed(shell_);
 }
 

@@ -14,8 +14,9 @@ public:
   /// Collective.
   UnassembledMatrix(const DistributedMesh& mesh, const Pattern& pattern);
 
-  /// From now on this matrix, with these vertices left out; both must outlive the next solve. Not collective.
-  void set(const VertexMatrix& matrix, std::span<const char> prescribed);
+  /// From now on this matrix, with these directions left out; both must outlive the next solve. Not
+  /// collective.
+  void set(const VertexMatrix& matrix, const Freedom& freedom);
 
   const FilteredOperator& filtered() const { return parts_->filtered; }
   operator Mat() const { return shell_; }

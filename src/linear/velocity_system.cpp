@@ -2,6 +2,7 @@
 
 #include "src/linear/assembled.hpp"
 #include "src/linear/krylov.hpp"
+#include "src/linear/modified_cg.hpp"
 #include "src/linear/unassembled.hpp"
 
 #include <algorithm>
@@ -37,40 +38,44 @@ struct VelocitySystem::Petsc {
                           assembled ? Mat(*assembled) : Mat(unassembled)));
   }
 
-  void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, std::span<const char> prescribed,
+  void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, const Freedom& freedom,
                       std::span<const Vec3> v) {
     matrix.multiply(v, product);
     double* values = nullptr;
     check(VecGetArrayWrite(rhs, &values));
     for (Local i = 0; i < matrix.pattern().rows(); ++i)
-      Eigen::Map<Vec3>(values + 3 * i) = prescribed[i] ? Vec3(Vec3::Zero()) : Vec3(b[i] - product[i]);
+      Eigen::Map<Vec3>(values + 3 * i) = freedom.allowed(i, b[i] - product[i]);
     check(VecRestoreArrayWrite(rhs, &values));
   }
 
-  void add_solution(std::span<Vec3> v) const {
+  /// Preconditioners mix directions, so what is denied is only nearly zero in the solution.
+  void add_solution(const Freedom& freedom, std::span<Vec3> v) const {
     const double* values = nullptr;
     check(VecGetArrayRead(solution, &values));
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] += Eigen::Map<const Vec3>(values + 3 * i);
+    for (std::size_t i = 0; i < v.size(); ++i)
+      v[i] += freedom.allowed(Local(i), Eigen::Map<const Vec3>(values + 3 * i));
     check(VecRestoreArrayRead(solution, &values));
   }
 };
 
 VelocitySystem::VelocitySystem(const DistributedMesh& mesh, const Pattern& pattern,
                                const SolverOptions& options, const char* name)
-    : mesh_(mesh), petsc_(std::make_unique<Petsc>(mesh, pattern, options, name)) {}
+    : mesh_(mesh), options_(options), petsc_(std::make_unique<Petsc>(mesh, pattern, options, name)) {}
 
 VelocitySystem::~VelocitySystem() = default;
 
 SolveReport VelocitySystem::solve(const VertexMatrix& matrix, std::span<const Vec3> rhs,
-                                  std::span<const char> prescribed, double tolerance, std::vector<Vec3>& v) {
+                                  const Freedom& freedom, double tolerance, std::vector<Vec3>& v) {
+  if (options_.constraints == SolverOptions::Constraints::filtered)
+    return modified_cg(mesh_, matrix, rhs, freedom, tolerance, options_.max_iterations, v);
   Petsc& p = *petsc_;
-  p.unassembled.set(matrix, prescribed);
+  p.unassembled.set(matrix, freedom);
   if (p.assembled) p.assembled->assemble(p.unassembled.filtered());
 
   // The change of velocity is solved for, so that "relative" means relative to what the step changes.
-  p.start_residual(matrix, rhs, prescribed, v);
+  p.start_residual(matrix, rhs, freedom, v);
   const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
-  p.add_solution(std::span(v).first(mesh_.vertices.owned));
+  p.add_solution(freedom, std::span(v).first(mesh_.vertices.owned));
   mesh_.vertex_halo.update(v);
   return report;
 }

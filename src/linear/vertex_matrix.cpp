@@ -7,6 +7,7 @@ namespace taut {
 void VertexMatrix::clear() {
   std::fill(values_.begin(), values_.end(), 0.0);
   rank_ones_.clear();
+  wide_rank_ones_.clear();
 }
 
 void VertexMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
@@ -24,19 +25,21 @@ void VertexMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
     y[row] = Vec3(s0, s1, s2);
   }
   // Entries of ghosts are not wanted but cheaper to add than to avoid.
-  for (const RankOne& r : rank_ones_) {
+  for_each_rank_one([&](const auto& r) {
+    constexpr std::size_t n = std::tuple_size_v<std::decay_t<decltype(r.vertices)>>;
     double s = 0;
-    for (int a = 0; a < 4; ++a) s += r.gradient[a].dot(x[r.vertices[a]]);
-    for (int a = 0; a < 4; ++a) y[r.vertices[a]] += s * r.gradient[a];
-  }
+    for (std::size_t a = 0; a < n; ++a) s += r.gradient[a].dot(x[r.vertices[a]]);
+    for (std::size_t a = 0; a < n; ++a) y[r.vertices[a]] += s * r.gradient[a];
+  });
 }
 
 void VertexMatrix::diagonal_blocks(std::span<Mat3> blocks) const {
   for (Local row = 0; row < pattern_.rows(); ++row)
     blocks[row] = Mat3::Identity() * values_[pattern_.diagonal(row)];
-  for (const RankOne& r : rank_ones_)
-    for (int a = 0; a < 4; ++a)
+  for_each_rank_one([&](const auto& r) {
+    for (std::size_t a = 0; a < r.vertices.size(); ++a)
       if (r.vertices[a] < pattern_.rows()) blocks[r.vertices[a]] += r.gradient[a] * r.gradient[a].transpose();
+  });
 }
 
 } // namespace taut

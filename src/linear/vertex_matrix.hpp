@@ -9,15 +9,21 @@ namespace taut {
 ///     A = B (x) I_3 + sum_k g_k g_k^T:
 ///
 /// a scalar matrix B that acts on the three axes alike (mass, bending, tension, damping) and one vector g_k
-/// over at most four vertices for every energy or dissipation of one scalar condition (shear, drag, stretch,
-/// contact). It takes a quarter of the memory of its 3 x 3 blocks, and a product with it a quarter of the
-/// time. Rows of owned vertices, columns of local ones; filled anew for every step, without communication.
+/// over at most six vertices for every energy or dissipation of one scalar condition (shear, drag, stretch,
+/// folding, contact). It takes a quarter of the memory of its 3 x 3 blocks, and a product with it a quarter
+/// of the time. Rows of owned vertices, columns of local ones; filled anew for every step, without
+/// communication.
 class VertexMatrix {
 public:
-  struct RankOne {
-    std::array<Local, 4> vertices; ///< all different; unused places repeat one and hold a zero gradient
-    std::array<Vec3, 4> gradient;
+  /// Vertices all different; unused places repeat one and hold a zero gradient. Most conditions have four
+  /// vertices; only a hinge beside a quad has more.
+  template<std::size_t n>
+  struct RankOneOver {
+    std::array<Local, n> vertices;
+    std::array<Vec3, n> gradient;
   };
+  using RankOne = RankOneOver<4>;
+  using WideRankOne = RankOneOver<6>;
 
   /// `pattern` must outlive the matrix.
   explicit VertexMatrix(const Pattern& pattern) : pattern_(pattern), values_(pattern.entries(), 0.0) {}
@@ -45,10 +51,19 @@ public:
   void add_rank_one(const std::array<Local, 4>& vertices, const std::array<Vec3, 4>& gradient) {
     rank_ones_.push_back({vertices, gradient});
   }
+  void add_rank_one(const std::array<Local, 6>& vertices, const std::array<Vec3, 6>& gradient) {
+    wide_rank_ones_.push_back({vertices, gradient});
+  }
 
   const Pattern& pattern() const { return pattern_; }
   std::span<const double> values() const { return values_; } ///< of B, in the pattern's order
-  std::span<const RankOne> rank_ones() const { return rank_ones_; }
+
+  /// Calls visit(g) for every g_k, a RankOne or a WideRankOne.
+  template<class Visit>
+  void for_each_rank_one(Visit&& visit) const {
+    for (const RankOne& r : rank_ones_) visit(r);
+    for (const WideRankOne& r : wide_rank_ones_) visit(r);
+  }
 
   /// y = A x: `x` over local vertices with current ghosts; of `y`, over local vertices, the owned part is
   /// meaningful.
@@ -61,6 +76,7 @@ private:
   const Pattern& pattern_;
   std::vector<double> values_;
   std::vector<RankOne> rank_ones_;
+  std::vector<WideRankOne> wide_rank_ones_;
 };
 
 } // namespace taut

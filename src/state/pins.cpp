@@ -116,7 +116,8 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
     if (pin_of[i] >= 0) held_.push_back({i, std::size_t(pin_of[i]), start[i]});
   count_ = sum_over(cloth.mesh.comm, Global(std::count_if(pin_of.begin(), pin_of.begin() + map.owned,
                                                           [](int pin) { return pin >= 0; })));
-  if (count_ == map.total)
+  const auto holds_all = [](const config::Pin& pin) { return !pin.along && !pin.plane; };
+  if (count_ == map.total && std::all_of(pins_.begin(), pins_.end(), holds_all))
     throw InputError(
         fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
                     input.file.string(), count_));
@@ -135,7 +136,7 @@ void Pins::check_edges(const Cloth& cloth, const Case& input) const {
   std::optional<std::string> fault;
   for (Local e = 0; e < cloth.mesh.edges.owned && !fault; ++e) {
     const Held *a = held_at[cloth.mesh.edge_vertices[e][0]], *b = held_at[cloth.mesh.edge_vertices[e][1]];
-    if (!a || !b) continue;
+    if (!a || !b || !holds_fast(*a) || !holds_fast(*b)) continue;
     const double released =
         std::min(pins_[a->pin].release.value_or(HUGE_VAL), pins_[b->pin].release.value_or(HUGE_VAL));
     for (const double time : times) {
@@ -154,15 +155,44 @@ void Pins::check_edges(const Cloth& cloth, const Case& input) const {
   agree(cloth.mesh.comm, fault);
 }
 
-void Pins::prescribe(const State& state, double dt, std::vector<char>& prescribed,
-                     std::vector<Vec3>& velocities) const {
-  std::fill(prescribed.begin(), prescribed.end(), 0);
+/// A line or plane turns with its pin: the place of a point of it less that of the vertex itself.
+void Pins::restrict_motion(const Held& h, double time, Freedom& freedom) const {
+  const config::Pin& pin = pins_[h.pin];
+  if (!pin.along && !pin.plane) return freedom.hold(h.vertex);
+  const Vec3 direction = (pin.along ? *pin.along : *pin.plane).normalized();
+  const Vec3 turned =
+      (place_at(pin.motion, h.start + direction, time) - place_at(pin.motion, h.start, time)).normalized();
+  pin.along ? freedom.keep_on_line(h.vertex, turned) : freedom.keep_in_plane(h.vertex, turned);
+}
+
+void Pins::prescribe(const State& state, double dt, Freedom& freedom, std::vector<Vec3>& velocities) const {
+  freedom.free_all();
   for (const Held& h : held_) {
     const config::Pin& pin = pins_[h.pin];
     if (pin.release && state.time >= *pin.release - 1e-9 * dt) continue;
-    prescribed[h.vertex] = 1;
-    velocities[h.vertex] = (place_at(pin.motion, h.start, state.time + dt) - state.positions[h.vertex]) / dt;
+    restrict_motion(h, state.time + dt, freedom);
+    const Vec3 to_place = (place_at(pin.motion, h.start, state.time + dt) - state.positions[h.vertex]) / dt;
+    Vec3& v = velocities[h.vertex];
+    v = freedom.allowed(h.vertex, v) + freedom.denied(h.vertex, to_place);
   }
+}
+
+void Pins::add_pull(const Cloth& cloth, const Freedom& freedom, std::span<const Vec3> positions,
+                    std::span<const double> change, std::vector<Vec3>& reaction) const {
+  for (const Held& h : held_) {
+    if (!cloth.mesh.owns_vertex(h.vertex)) continue;
+    Vec3 pull = Vec3::Zero();
+    for (const EdgeEnd& end : cloth.mesh.star_of(h.vertex))
+      pull += change[end.edge] * (positions[end.other] - positions[h.vertex]);
+    reaction[h.vertex] -= freedom.denied(h.vertex, pull);
+  }
+}
+
+std::vector<Vec3> Pins::totals(const Cloth& cloth, std::span<const Vec3> reaction) const {
+  std::vector<Vec3> totals(pins_.size(), Vec3::Zero());
+  for (const Held& h : held_)
+    if (cloth.mesh.owns_vertex(h.vertex)) totals[h.pin] += reaction[h.vertex];
+  return totals;
 }
 
 } // namespace taut

@@ -1,9 +1,11 @@
 #pragma once
 #include "src/state/cloth.hpp"
+#include "src/state/freedom.hpp"
 
 namespace taut {
 
-/// Vertices whose motion is prescribed: at rest, or along keyframes, until they are let go.
+/// Vertices whose motion is prescribed: at rest, or along keyframes, until they are let go; in all
+/// directions, or only across a line or a plane on which they may slide.
 class Pins {
 public:
   /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError,
@@ -12,10 +14,18 @@ public:
   /// Collective.
   Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start);
 
-  /// For the step from state.time to state.time + dt: marks the vertices that are held (local vertices,
-  /// ghosts too) and gives them in `velocities` the velocity that brings them to their place. Not collective.
-  void prescribe(const State& state, double dt, std::vector<char>& prescribed,
-                 std::vector<Vec3>& velocities) const;
+  /// For the step from state.time to state.time + dt: restricts the vertices that are pinned (local vertices,
+  /// ghosts too) and gives them in `velocities`, which holds those of the start, in the directions in which
+  /// they are pinned the velocity that brings them to their place. Not collective.
+  void prescribe(const State& state, double dt, Freedom& freedom, std::vector<Vec3>& velocities) const;
+
+  /// From what prescribing the velocities of a step took, to what it took at its end: takes off what the
+  /// edges around each pinned vertex pull more than the prediction knew, `change` in N/m. Not collective.
+  void add_pull(const Cloth& cloth, const Freedom& freedom, std::span<const Vec3> positions,
+                std::span<const double> change, std::vector<Vec3>& reaction) const;
+
+  /// The sum of `reaction` over the vertices of each pin that this rank owns. Not collective.
+  std::vector<Vec3> totals(const Cloth& cloth, std::span<const Vec3> reaction) const;
 
   Global count() const { return count_; } ///< pinned vertices over all ranks, at the start
 
@@ -26,6 +36,8 @@ private:
     Vec3 start;
   };
   void check_edges(const Cloth& cloth, const Case& input) const;
+  bool holds_fast(const Held& h) const { return !pins_[h.pin].along && !pins_[h.pin].plane; }
+  void restrict_motion(const Held& h, double time, Freedom& freedom) const;
 
   std::vector<config::Pin> pins_;
   std::vector<Held> held_; ///< local vertices

@@ -5,7 +5,8 @@
 #include "partition/grid.hpp"
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace taut {
 
@@ -13,30 +14,31 @@ namespace {
 
 MeshSlab load_mesh(MPI_Comm comm, const Case& input) {
   const config::Cloth& cloth = input.cloth;
-  if (cloth.grid) return make_grid(comm, cloth.grid->size, cloth.grid->vertices);
+  if (cloth.grid)
+    return make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells));
   if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
   return read_mesh(comm, input.folder() / *cloth.mesh, cloth.scale);
 }
 
-void check_inextensibility(const Case& input, const Topology& topology, const std::string& mesh) {
-  if (input.inextensibility.method == config::InextensibilityMethod::none || topology.constrained_edges > 0)
-    return;
-  throw InputError(
-      fmt::format("{}: no constraint is left: inextensibility acts along the edges of quads and lines, and "
-                  "this mesh has triangles only; use a mesh of quads, or inextensibility.method: none",
-                  mesh));
+bool has_triangles(MPI_Comm comm, const MeshSlab& mesh) {
+  return any_of(comm,
+                std::any_of(mesh.cell.begin(), mesh.cell.end(), [](const Cell& c) { return c.size() == 3; }));
 }
 
 } // namespace
 
 Cloth load_cloth(MPI_Comm comm, const Case& input) {
   const MeshSlab slab = load_mesh(comm, input);
-  const Topology topology = find_topology(comm, slab);
-  check_inextensibility(input, topology, slab.name);
+  Topology topology = find_topology(comm, slab);
+  config::Material material = input.cloth.material;
+  if (!material.bending_model)
+    material.bending_model =
+        has_triangles(comm, slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
+  if (material.bending_model == config::BendingModel::yarn) topology.hinges.clear(); // nobody asks for them
   const auto method =
       input.partition.method == config::PartitionMethod::metis ? Partitioner::metis : Partitioner::stripes;
   const auto owners = partition(comm, slab, topology, method);
-  return make_cloth(distribute(comm, slab, topology, owners), input.cloth.material);
+  return make_cloth(distribute(comm, slab, topology, owners), material);
 }
 
 State start_state(const Cloth& cloth, const Case& input) {
@@ -56,6 +58,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
   state.pulled.assign(mesh.edges.size(), 0.0);
+  state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
   return state;
 }
 

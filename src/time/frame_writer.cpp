@@ -173,6 +173,7 @@ void FrameWriter::describe(bool has_mixed_cells) {
   edges_.cells_length = 2 * mesh.edges.total;
   edges_.cells_dataset = "/constraints/edges";
   if (wants(velocity)) cells_.fields.push_back({"velocity", "/velocities", XdmfCentre::point, 3});
+  if (wants(reaction)) cells_.fields.push_back({"reaction", "/reactions", XdmfCentre::point, 3});
   if (wants(owner_rank))
     cells_.fields.push_back(
         {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
@@ -209,6 +210,7 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
     if (wants(velocity))
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
+    if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
     if (wants(strain)) write_edge_field(file, "strain", strains);
     if (wants(tension)) write_edge_field(file, "tension", tensions);
     if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);

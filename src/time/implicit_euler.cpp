@@ -1,13 +1,18 @@
 #include "src/time/implicit_euler.hpp"
 
+#include "src/linear/modified_cg.hpp"
+
 namespace taut {
 
 namespace {
 
 SolverOptions solver_options(const config::Velocity& options) {
-  return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
-                                                        : SolverOptions::Kind::cg,
-          options.max_iterations};
+  using Kind = SolverOptions::Kind;
+  using Constraints = SolverOptions::Constraints;
+  const bool projected = options.constraints == config::ConstraintSolver::projected;
+  return {.kind = options.solver == config::LinearSolver::mumps ? Kind::mumps : Kind::cg,
+          .max_iterations = options.max_iterations,
+          .constraints = projected ? Constraints::projected : Constraints::filtered};
 }
 
 } // namespace
@@ -21,8 +26,8 @@ ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const F
   load_impulse_.resize(cloth.mesh.vertices.size());
 }
 
-SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<const char> prescribed,
-                                   std::vector<Vec3>& velocities) {
+SolveReport ImplicitEuler::predict(const State& start, double dt, const Freedom& freedom,
+                                   std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
   step_.start(dt);
   const double damping = cloth_.material.damping.mass;
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
@@ -32,7 +37,12 @@ SolveReport ImplicitEuler::predict(const State& start, double dt, std::span<cons
   for (const auto& force : forces_)
     if (!loads_ || force->is_internal()) force->add_to(step_, start);
   if (loads_) add_explicit_loads(start, dt);
-  return solver_.solve(step_.matrix(), step_.rhs(), prescribed, tolerance_, velocities);
+  const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
+  reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
+  if (freedom.all_free()) return report;
+  reaction = constraint_impulse(step_.matrix(), step_.rhs(), freedom, velocities);
+  for (Vec3& r : reaction) r /= dt;
+  return report;
 }
 
 void ImplicitEuler::add_explicit_loads(const State& start, double dt) {

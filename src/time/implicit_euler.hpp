@@ -23,10 +23,11 @@ public:
   ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
                 const config::Velocity& options, config::Integrator integrator);
 
-  /// `velocities` (local) holds the prescribed values where `prescribed`, the start velocities elsewhere; on
-  /// exit those at the end of the step, ghosts current. Collective.
-  SolveReport predict(const State& start, double dt, std::span<const char> prescribed,
-                      std::vector<Vec3>& velocities);
+  /// `velocities` (local) holds the start velocities and, in the directions that `freedom` denies, the
+  /// prescribed ones; on exit those at the end of the step, ghosts current. `reaction` (owned vertices): the
+  /// forces in N that keep the prescribed velocities. Collective.
+  SolveReport predict(const State& start, double dt, const Freedom& freedom, std::vector<Vec3>& velocities,
+                      std::vector<Vec3>& reaction);
 
 private:
   void add_explicit_loads(const State& start, double dt);

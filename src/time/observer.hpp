@@ -37,7 +37,8 @@ struct StepRecord {
   Strain strain;
   double depth = 0; ///< m the lowest point has come down since the start
   Energies energies;
-  PhaseSeconds seconds; ///< rejected attempts included
+  std::vector<Vec3> pin_forces; ///< N, of each pin on all its vertices together
+  PhaseSeconds seconds;         ///< rejected attempts included
 };
 
 /// Watches a run. Observers never change it. All calls are collective.

@@ -3,14 +3,8 @@
 #include "src/config/methods.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/make_filter.hpp"
-#include "src/forces/air_drag.hpp"
-#include "src/forces/bending.hpp"
-#include "src/forces/carried_contact.hpp"
-#include "src/forces/carried_tension.hpp"
-#include "src/forces/gravity.hpp"
-#include "src/forces/shear.hpp"
-#include "src/forces/springs.hpp"
 #include "src/state/start.hpp"
+#include "src/time/make_forces.hpp"
 
 #include <fmt/format.h>
 
@@ -20,24 +14,6 @@
 namespace taut {
 
 namespace {
-
-Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input) {
-  const config::Material& material = cloth.material;
-  Forces forces;
-  forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
-  forces.push_back(
-      std::make_unique<YarnBending>(cloth, pattern, material.bending, material.damping.stiffness));
-  forces.push_back(std::make_unique<QuadShear>(cloth, pattern, material.shear, material.damping.stiffness));
-  if (input.inextensibility.method == config::InextensibilityMethod::springs)
-    forces.push_back(std::make_unique<Springs>(
-        cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
-        material.damping.stiffness));
-  if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.has_contact()) forces.push_back(std::make_unique<CarriedContact>(cloth));
-  if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
-    forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
-  return forces;
-}
 
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Pattern& pattern,
                                                           const Case& input) {
@@ -75,7 +51,7 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, pattern_, input)),
       integrator_(input.time.integrator),
       predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
-      end_positions_(state_.positions.size()), prescribed_(state_.positions.size()),
+      end_positions_(state_.positions.size()), freedom_(state_.positions.size()),
       start_depth_(lowest(cloth_, state_.positions, down_)) {
   if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
     xpbd_.emplace(cloth_, pattern_, forces_, pins_, input.inextensibility);
@@ -137,7 +113,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   const StepStart start = integrator_.start(state_, dt);
   Stopwatch watch;
   if (xpbd_) {
-    xpbd_->advance(state_, dt, prescribed_, candidate_);
+    xpbd_->advance(state_, dt, freedom_, candidate_);
     record.iterations = xpbd_->substeps();
   } else {
     predict(start, attempt);
@@ -146,6 +122,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   }
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
     end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
+  if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
   record.strain = measure_strain(cloth_, end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
   if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
@@ -156,23 +133,37 @@ Simulation::Attempt Simulation::attempt(double dt) {
 void Simulation::predict(const StepStart& start, Attempt& attempt) {
   candidate_.velocities = start.state.velocities;
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
-    candidate_.force_density[e] =
-        inextensibility_.carried_tension ? std::max(state_.force_density[e], 0.0) : 0.0;
-  pins_.prescribe(start.state, start.dt, prescribed_, candidate_.velocities);
-  const SolveReport predicted = predictor_.predict(start.state, start.dt, prescribed_, candidate_.velocities);
+    candidate_.force_density[e] = carried(state_.force_density[e]);
+  pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
+  const SolveReport predicted =
+      predictor_.predict(start.state, start.dt, freedom_, candidate_.velocities, candidate_.reaction);
   attempt.record.velocity_iterations = predicted.iterations;
   if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
 }
 
 void Simulation::filter(const StepStart& start, Attempt& attempt) {
   for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
-    const FilterReport filtered = filters_[k]->apply(start.state, start.dt, prescribed_, candidate_);
+    const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom_, candidate_);
     attempt.record.iterations += filtered.iterations;
     attempt.record.linear_iterations += filtered.linear_iterations;
     attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);
     attempt.record.seconds.contact += filtered.contact_seconds;
     attempt.failure = filtered.failure;
   }
+}
+
+/// Prescribed velocities are kept by the prediction, which knows the tension carried into the step, and
+/// against what filters add to it.
+void Simulation::add_pull_of_filters() {
+  pull_.resize(state_.force_density.size());
+  for (std::size_t e = 0; e < pull_.size(); ++e)
+    pull_[e] = candidate_.force_density[e] - carried(state_.force_density[e]);
+  pins_.add_pull(cloth_, freedom_, end_positions_, pull_, candidate_.reaction);
+}
+
+/// What the prediction carries of a force density of the step before.
+double Simulation::carried(double force_density) const {
+  return inextensibility_.carried_tension ? std::max(force_density, 0.0) : 0.0;
 }
 
 /// Why a step with this strain cannot be accepted; empty if it can.
@@ -192,17 +183,22 @@ void Simulation::accept(double time, double dt) {
   std::swap(state_.force_density, candidate_.force_density);
   std::swap(state_.pulled, candidate_.pulled);
   std::swap(state_.contacts, candidate_.contacts);
+  std::swap(state_.reaction, candidate_.reaction);
   state_.time = time;
   ++state_.step;
 }
 
 void Simulation::measure(StepRecord& record) const {
+  const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reaction);
   std::vector<double> sums(1 + forces_.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
   for (std::size_t k = 0; k < forces_.size(); ++k) sums[1 + k] = forces_[k]->energy(state_);
+  for (const Vec3& f : pins) sums.insert(sums.end(), f.begin(), f.end());
   sum_in_place(comm_, sums);
-  record.energies = {sums[0], {sums.begin() + 1, sums.end()}};
+  const auto potentials = sums.begin() + 1, forces = potentials + std::ptrdiff_t(forces_.size());
+  record.energies = {sums[0], {potentials, forces}};
+  for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);
   record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
 }
 

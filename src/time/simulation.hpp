@@ -52,6 +52,8 @@ private:
   Attempt attempt(double dt);
   void predict(const StepStart& start, Attempt& attempt);
   void filter(const StepStart& start, Attempt& attempt);
+  void add_pull_of_filters();
+  double carried(double force_density) const;
   std::string fault_of(const Strain& strain) const;
   void accept(double time, double dt);
   void measure(StepRecord& record) const;
@@ -72,7 +74,8 @@ private:
   Global rejected_steps_ = 0;
   Candidate candidate_;
   std::vector<Vec3> end_positions_;
-  std::vector<char> prescribed_;
+  std::vector<double> pull_; ///< force densities that filters added, N/m
+  Freedom freedom_;
   double start_depth_ = 0;
 };
 

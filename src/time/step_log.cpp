@@ -16,7 +16,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-Row columns_for(const std::vector<std::string>& potentials) {
+Row columns_for(const std::vector<std::string>& potentials, std::size_t pins) {
   Row columns{"step",
               "time_s",
               "dt_s",
@@ -31,6 +31,8 @@ Row columns_for(const std::vector<std::string>& potentials) {
               "kinetic_J"};
   for (const std::string& p : potentials) columns.push_back(p + "_J");
   columns.insert(columns.end(), {"velocity_s", "projection_s", "contact_s"});
+  for (std::size_t k = 0; k < pins; ++k)
+    for (const char axis : {'x', 'y', 'z'}) columns.push_back(fmt::format("pin{}_{}_N", k, axis));
   return columns;
 }
 
@@ -78,11 +80,11 @@ std::string cannot_be_written(const std::filesystem::path& file) {
 } // namespace
 
 StepLog::StepLog(MPI_Comm comm, std::filesystem::path file, const std::vector<std::string>& potentials,
-                 Global last_step)
+                 std::size_t pins, Global last_step)
     : comm_(comm), file_(std::move(file)) {
   std::string text;
   if (rank_of(comm) == 0) {
-    const Row columns = columns_for(potentials);
+    const Row columns = columns_for(potentials, pins);
     text = fmt::format("{}\n", fmt::join(columns, ","));
     std::ifstream in(file_);
     if (last_step > 0) text += rows_so_far(in, columns, last_step);
@@ -102,8 +104,9 @@ void StepLog::after_step(const State& state, const StepRecord& r) {
                         r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations,
                         r.linear_iterations, r.velocity_iterations, r.contacts, r.energies.kinetic);
     for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
-    out_ << fmt::format(",{:.4g},{:.4g},{:.4g}\n", r.seconds.velocity, r.seconds.projection,
-                        r.seconds.contact);
+    out_ << fmt::format(",{:.4g},{:.4g},{:.4g}", r.seconds.velocity, r.seconds.projection, r.seconds.contact);
+    for (const Vec3& f : r.pin_forces) out_ << fmt::format(",{:.6g},{:.6g},{:.6g}", f[0], f[1], f[2]);
+    out_ << '\n';
     if (!out_.flush()) fault = cannot_be_written(file_);
   }
   agree(comm_, fault);

@@ -9,18 +9,21 @@ Xpbd::Xpbd(const Cloth& cloth, const Pattern& pattern, const std::vector<std::un
       loads_(pattern, cloth.mesh.vertices.size()), impulse_(cloth.mesh.vertices.size()),
       x_(cloth.mesh.vertices.size()), s_(cloth.mesh.edges.size()) {}
 
-void Xpbd::advance(const State& start, double dt, std::vector<char>& prescribed, Candidate& candidate) {
+void Xpbd::advance(const State& start, double dt, Freedom& freedom, Candidate& candidate) {
   const double h = dt / substeps_;
   now_ = start;
+  pin_impulse_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   std::fill(now_.force_density.begin(), now_.force_density.end(), 0.0);
   for (int k = 0; k < substeps_; ++k) {
     now_.time = start.time + k * h;
-    substep(h, prescribed);
+    substep(h, freedom);
   }
   candidate.velocities.resize(x_.size());
   for (std::size_t i = 0; i < x_.size(); ++i)
     candidate.velocities[i] = (now_.positions[i] - start.positions[i]) / dt;
   candidate.end_velocities = now_.velocities;
+  candidate.reaction = pin_impulse_;
+  for (Vec3& r : candidate.reaction) r /= dt;
   for (Local e = 0; e < cloth_.mesh.edges.owned; ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
     candidate.force_density[e] =
@@ -30,27 +33,51 @@ void Xpbd::advance(const State& start, double dt, std::vector<char>& prescribed,
 }
 
 /// `now_.force_density` gathers the tensions.
-void Xpbd::substep(double h, std::vector<char>& prescribed) {
-  pins_.prescribe(now_, h, prescribed, now_.velocities);
-  fall(h, prescribed);
+void Xpbd::substep(double h, Freedom& freedom) {
+  start_velocities_ = now_.velocities;
+  pins_.prescribe(now_, h, freedom, now_.velocities);
+  fall(h, freedom);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) x_[i] = now_.positions[i] + h * now_.velocities[i];
   cloth_.mesh.vertex_halo.update(x_);
-  sweeps_.start(h, compliance_, prescribed);
+  sweeps_.start(h, compliance_, freedom);
   std::fill(s_.begin(), s_.end(), 0.0);
   sweeps_.gauss_seidel(x_, s_);
   for (std::size_t i = 0; i < x_.size(); ++i) now_.velocities[i] = (x_[i] - now_.positions[i]) / h;
   std::swap(now_.positions, x_);
+  note_reaction(h, freedom);
   for (std::size_t e = 0; e < s_.size(); ++e) now_.force_density[e] += s_[e] / (h * h);
 }
 
-/// v <- v + h f/m of the owned vertices that are free.
-void Xpbd::fall(double h, std::span<const char> prescribed) {
+/// v <- v + h f/m of the owned vertices, as far as they are free; h f into `impulse_`.
+void Xpbd::fall(double h, const Freedom& freedom) {
   const double damping = cloth_.material.damping.mass;
   loads_.start_explicit(h);
   for (const auto& force : forces_) force->add_to(loads_, now_);
   loads_.explicit_impulse(now_.velocities, impulse_);
-  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-    if (!prescribed[i]) now_.velocities[i] += impulse_[i] / cloth_.mass[i] - h * damping * now_.velocities[i];
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    impulse_[i] -= h * damping * cloth_.mass[i] * now_.velocities[i];
+    now_.velocities[i] += freedom.allowed(i, impulse_[i]) / cloth_.mass[i];
+  }
+}
+
+/// Where a vertex may not move, its pin makes up for what the momentum it gained owes to no other force.
+void Xpbd::note_reaction(double h, const Freedom& freedom) {
+  if (freedom.all_free()) return;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    if (freedom.is_free(i)) continue;
+    const Vec3 gained = cloth_.mass[i] * (now_.velocities[i] - start_velocities_[i]);
+    pin_impulse_[i] += freedom.denied(i, gained - impulse_[i] - h * pull_of_edges(i, h));
+  }
+}
+
+/// In N, over the last substep.
+Vec3 Xpbd::pull_of_edges(Local vertex, double h) const {
+  Vec3 pull = Vec3::Zero();
+  for (const EdgeEnd& end : cloth_.mesh.star_of(vertex)) {
+    const Vec3 d = now_.positions[end.other] - now_.positions[vertex];
+    pull += s_[end.edge] / (h * h) * d.normalized();
+  }
+  return pull;
 }
 
 } // namespace taut

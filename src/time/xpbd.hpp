@@ -14,21 +14,24 @@ namespace taut {
 ///     v <- v + h f(x, v)/m,  x' = sweep(x + h v),  v <- (x' - x)/h.
 ///
 /// No linear system is solved, no strain promised: it falls with the substeps, about as their square. Forces
-/// limit the substep as explicit ones do. The tension of an edge is the mean over the substeps.
+/// limit the substep as explicit ones do. The tension of an edge, and the force of a pin, is
+/// the mean over the substeps.
 class Xpbd {
 public:
   /// All references must outlive it. Collective.
   Xpbd(const Cloth& cloth, const Pattern& pattern, const std::vector<std::unique_ptr<Force>>& forces,
        const Pins& pins, const config::Inextensibility& options);
 
-  /// A step over `dt` from `start`. `prescribed` is for its last substep. Collective over neighbours.
-  void advance(const State& start, double dt, std::vector<char>& prescribed, Candidate& candidate);
+  /// A step over `dt` from `start`. `freedom` is that of its last substep. Collective over neighbours.
+  void advance(const State& start, double dt, Freedom& freedom, Candidate& candidate);
 
   int substeps() const { return substeps_; }
 
 private:
-  void substep(double h, std::vector<char>& prescribed);
-  void fall(double h, std::span<const char> prescribed);
+  void substep(double h, Freedom& freedom);
+  void fall(double h, const Freedom& freedom);
+  void note_reaction(double h, const Freedom& freedom);
+  Vec3 pull_of_edges(Local vertex, double h) const;
 
   const Cloth& cloth_;
   const std::vector<std::unique_ptr<Force>>& forces_;
@@ -38,7 +41,7 @@ private:
   EdgeSweeps sweeps_;
   StepSystem loads_;
   State now_;
-  std::vector<Vec3> impulse_, x_;
+  std::vector<Vec3> impulse_, x_, start_velocities_, pin_impulse_;
   std::vector<double> s_;
 };
 

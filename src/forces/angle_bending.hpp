@@ -1,0 +1,43 @@
+#pragma once
+#include "src/forces/fold.hpp"
+
+namespace taut {
+
+enum class RestAngle {
+  flat,         ///< theta_0 = 0 [BW98 section 4.4]
+  of_rest_shape ///< theta_0 that of the mesh at rest [Grinspun et al. 2003, discrete shells]
+};
+
+/// Bending by the angle theta over each edge between faces: E = sum 1/2 B |e|^2 / A (theta - theta_0)^2. With
+/// the angles of the rest shape these are discrete shells (the paper's k |e| / h with h a third of the mean
+/// height is 3 k |e|^2 / A, so k = B/6); flat, and with B by the direction of the edge, it is BW98's bend
+/// condition C = theta with k = B |e|^2 / A, which unlike a constant k keeps its stiffness on a finer mesh.
+///
+/// The gradient of theta is exact, |e| and the normals' lengths not held constant as in BW98. Of the Hessian
+/// k (d d^T + (theta - theta_0) d2), d the gradient, the second term is left out: it is not definite. Damping
+/// is -k_d d thetadot, k_d = damping times k [BW98 section 4.5]; its derivatives by positions are left out.
+/// An edge folded by more than half a turn from flat is seen as folded to the other side.
+class AngleBending : public Force {
+public:
+  /// `cloth` must outlive the force; `damping` is the stiffness-proportional damping in s.
+  AngleBending(const Cloth& cloth, std::span<const Fold> folds, RestAngle rest, double damping);
+
+  std::string_view name() const override { return "bending"; }
+  double energy(const State& state) const override;
+  void add_to(StepSystem& system, const State& state) const override;
+
+private:
+  struct Bend {
+    Fold fold;
+    double rest_angle;
+  };
+
+  const Cloth& cloth_;
+  double damping_;
+  std::vector<Bend> bends_;
+};
+
+/// Largest angle over an edge in the rest shape, in rad: 0 for a mesh that is flat at rest. Collective.
+double largest_rest_angle(const Cloth& cloth, std::span<const Fold> folds);
+
+} // namespace taut

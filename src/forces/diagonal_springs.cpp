@@ -1,0 +1,52 @@
+#include "src/forces/diagonal_springs.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace taut {
+
+DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
+    : cloth_(cloth), damping_(damping) {
+  const auto& rest = cloth.mesh.rest_positions;
+  for (const LocalCell& cell : cloth.mesh.cells) {
+    if (cell.size() != 4) continue;
+    const auto& v = cell.vertices;
+    const double area = 0.5 * (rest[v[2]] - rest[v[0]]).cross(rest[v[3]] - rest[v[1]]).norm();
+    for (const std::array<Local, 2> ends : {std::array{v[0], v[2]}, std::array{v[1], v[3]}}) {
+      const double length = (rest[ends[1]] - rest[ends[0]]).norm();
+      springs_.push_back({ends, length, stiffness * length * length / (2 * area), pattern.slots<2>(ends)});
+    }
+  }
+}
+
+double DiagonalSprings::energy(const State& state) const {
+  double energy = 0;
+  for (const Spring& s : springs_) {
+    if (!cloth_.mesh.owns_vertex(s.vertices[0])) continue;
+    const double stretch =
+        (state.positions[s.vertices[1]] - state.positions[s.vertices[0]]).norm() - s.length;
+    energy += 0.5 * s.stiffness * stretch * stretch;
+  }
+  return energy;
+}
+
+void DiagonalSprings::add_to(StepSystem& system, const State& state) const {
+  for (const Spring& s : springs_) {
+    const auto& [a, b] = s.vertices;
+    const Vec3 d = state.positions[b] - state.positions[a];
+    const double length = d.norm();
+    if (length == 0) continue; // without a direction: nowhere to push
+    const Vec3 n = d / length;
+    const double tension = s.stiffness * (length - s.length),
+                 drag = damping_ * s.stiffness * n.dot(state.velocities[b] - state.velocities[a]);
+    system.add_force(a, tension * n);
+    system.add_force(b, -tension * n);
+    const double across = std::clamp((tension + drag) / length, 0.0, s.stiffness);
+    system.add_outer<2>(s.vertices, s.slots, {-1, 1}, across, 0.0);
+    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()},
+                        s.stiffness - across, damping_ * s.stiffness);
+  }
+}
+
+} // namespace taut

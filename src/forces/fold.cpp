@@ -1,0 +1,76 @@
+#include "src/forces/fold.hpp"
+
+#include "src/state/material_coordinates.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+/// How far the edge runs along warp and weft.
+Vec2 run_of(const Hinge& hinge, const std::array<Vec3, 4>& rest) {
+  if (hinge.run != Vec2::Zero()) return hinge.run;
+  const Vec3 e = rest[1] - rest[0];
+  const Vec3 normal = e.cross(rest[2] - rest[0]).normalized() + (rest[3] - rest[0]).cross(e).normalized();
+  const Vec3 warp = default_warp(normal.isZero(1e-9) ? Vec3(Vec3::UnitZ()) : normal);
+  const double u = e.dot(warp);
+  return {u, std::sqrt(std::max(e.squaredNorm() - u * u, 0.0))};
+}
+
+/// Of the angle at `apex` of the triangle with the sides to `a` and `b`.
+double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
+  const Vec3 to_a = a - apex, to_b = b - apex;
+  return to_a.dot(to_b) / to_a.cross(to_b).norm();
+}
+
+} // namespace
+
+Dihedral dihedral(const std::array<Vec3, 4>& x) {
+  const Vec3 e = x[1] - x[0], n1 = e.cross(x[2] - x[0]), n2 = (x[3] - x[0]).cross(e);
+  const double l = e.norm(), s1 = n1.squaredNorm(), s2 = n2.squaredNorm();
+  const double smallest = 1e-24 * l * l * l * l; // of a triangle that has collapsed onto its side
+  if (!(s1 > smallest) || !(s2 > smallest))
+    return {0.0, {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}};
+  const Vec3 p1 = n1 / s1, p2 = n2 / s2;
+  Dihedral d{std::atan2(n1.cross(n2).dot(e) / l, n1.dot(n2)), {}};
+  d.gradient[0] = -((x[2] - x[1]).dot(e) / l) * p1 - ((x[3] - x[1]).dot(e) / l) * p2;
+  d.gradient[1] = ((x[2] - x[0]).dot(e) / l) * p1 + ((x[3] - x[0]).dot(e) / l) * p2;
+  d.gradient[2] = -l * p1;
+  d.gradient[3] = -l * p2;
+  return d;
+}
+
+std::array<Vec3, 4> Fold::corners(std::span<const Vec3> x) const {
+  const auto& v = vertices;
+  return {x[v[0]], x[v[1]], weight[2] * x[v[2]] + weight[3] * x[v[3]],
+          weight[4] * x[v[4]] + weight[5] * x[v[5]]};
+}
+
+std::vector<Fold> folds_of(const Cloth& cloth, double stiffness_warp, double stiffness_weft) {
+  std::vector<Fold> folds;
+  for (const Hinge& h : cloth.mesh.hinges) {
+    Fold f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
+    if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
+    if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
+    f.rest = f.corners(cloth.mesh.rest_positions);
+    const Vec3 e = f.rest[1] - f.rest[0];
+    f.area = 0.5 * (e.cross(f.rest[2] - f.rest[0]).norm() + e.cross(f.rest[3] - f.rest[0]).norm());
+    const Vec2 run = run_of(h, f.rest);
+    const double b =
+        (stiffness_warp * run[1] * run[1] + stiffness_weft * run[0] * run[0]) / run.squaredNorm();
+    f.stiffness = b * e.squaredNorm() / f.area;
+    folds.push_back(f);
+  }
+  return folds;
+}
+
+std::array<double, 4> isometric_row(const std::array<Vec3, 4>& x) {
+  const double c01 = cotangent(x[0], x[1], x[2]), c02 = cotangent(x[0], x[1], x[3]),
+               c03 = cotangent(x[1], x[0], x[2]), c04 = cotangent(x[1], x[0], x[3]);
+  return {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04};
+}
+
+} // namespace taut

@@ -1,0 +1,10 @@
+#pragma once
+#include "src/time/implicit_euler.hpp"
+
+namespace taut {
+
+/// The forces a case asks for. Throws InputError, naming key and model, for a model that cannot serve this
+/// mesh. Collective.
+Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input);
+
+} // namespace taut
