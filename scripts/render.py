@@ -16,6 +16,7 @@ UNITS = {"tension": "N", "velocity": "m/s", "speed": "m/s"}  # every strain is a
 RANK_COLOURS = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#ee8866", "#999933"]
 CLOTH = [0.42, 0.58, 0.76]
 CLOTH_BACK = [0.85, 0.70, 0.52]
+OBSTACLE = [0.78, 0.78, 0.76]
 INK = [0.15, 0.15, 0.18]
 
 
@@ -165,6 +166,16 @@ def show_lines(view, source):
     return shown
 
 
+def show_obstacles(view, options):
+    """The obstacles, if the run has any; planes fade into the background."""
+    if not (options.run_folder / "obstacles.xdmf").is_file():
+        return
+    reader = open_xdmf(options.run_folder / "obstacles.xdmf")
+    reader.UpdatePipeline(view.ViewTime)
+    shown = show_plain(view, simple.GenerateSurfaceNormals(Input=simple.ExtractSurface(Input=reader)), OBSTACLE)
+    shown.Ambient, shown.Diffuse, shown.Specular = 0.35, 0.75, 0.0
+
+
 def show_cloth(view, source, options):
     """What is drawn of the source: its faces, its line cells, or both."""
     parts = []
@@ -221,6 +232,7 @@ def main():
     source, kind = with_field(reader, options, time)
     source.UpdatePipeline(time)
     parts = show_cloth(view, source, options)
+    show_obstacles(view, options)
     if kind:
         colour(view, parts, source, kind, options)
     text = simple.Show(simple.Text(Text=f"t = {time:.3f} s"), view)

@@ -20,6 +20,12 @@ taut_case(flag RANKS 1 2 4 TIMEOUT 300)
 taut_case(obj RANKS 1 2 4 TIMEOUT 300)
 taut_case(curtain RANKS 1 2 4 TIMEOUT 300)
 
+taut_case(sphere RANKS 1 2 4 TIMEOUT 300)
+taut_case(table RANKS 1 2 TIMEOUT 300)
+taut_case(pile RANKS 1 4 TIMEOUT 300)
+taut_case(moving-body RANKS 1 2 TIMEOUT 300)
+taut_case(incline RANKS 1 2 4 TIMEOUT 300)
+
 # One rank needs no launcher; with mpirun -n 1 the whole test took five times as long.
 set(bad_input ${TAUT_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/test_bad_input.py)
 add_test(NAME test_bad_input_np1 COMMAND ${bad_input} $<TARGET_FILE:taut>)

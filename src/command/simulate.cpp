@@ -62,7 +62,8 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
 
   auto earlier = state.step > 0 ? frames_before(comm, out, steps.frame_after(state.time), steps)
                                 : std::vector<XdmfFrame>{};
-  FrameWriter frames(simulation.cloth(), input.output.fields, out, std::move(earlier));
+  const Obstacles obstacles(comm, input);
+  FrameWriter frames(simulation.cloth(), obstacles, input.output.fields, out, std::move(earlier));
   StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, course.progress, steps.frames(), input.time.end);
   IntersectionCheck intersections(simulation.cloth(), input);

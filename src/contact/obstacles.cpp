@@ -99,10 +99,13 @@ void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, i
   }
 }
 
+Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
+  return place_at(inputs_[body].motion, start, time);
+}
+
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
-  for (std::size_t v = 0; v < start_.size(); ++v)
-    positions[v] = place_at(inputs_[body_of_[v]].motion, start_[v], time);
+  for (std::size_t v = 0; v < start_.size(); ++v) positions[v] = moved(body_of_[v], start_[v], time);
 }
 
 } // namespace taut

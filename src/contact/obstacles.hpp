@@ -29,8 +29,12 @@ public:
   std::span<const Element> elements() const { return elements_; }
   std::span<const Plane> planes() const { return planes_; }
   const Body& body(int k) const { return bodies_[k]; }
-  int body_of_vertex(Local v) const { return body_of_[v]; }
   bool empty() const { return bodies_.empty(); }
+
+  std::span<const Vec3> start() const { return start_; } ///< of all vertices, as the case gives them; m
+
+  /// Where a point of a body is at `time` that is at `start` in the case. m.
+  Vec3 moved(int body, const Vec3& start, double time) const;
 
   /// Where all vertices are at `time`: turned and moved by the keyframes, linear between them. m.
   void place(double time, std::vector<Vec3>& positions) const;

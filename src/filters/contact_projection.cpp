@@ -89,6 +89,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     }
     make_rows();
     project(strain, report);
+    propose_contact_forces(candidate); // before another search renumbers what the rows refer to
     report.contacts = std::max(report.contacts, contacts_);
     ++report.iterations;
     if (!report.failure.empty()) break;
@@ -114,7 +115,6 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt;
   for (std::size_t e = 0; e < mu_.size(); ++e)
     candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt * dt);
-  propose_contact_forces(candidate);
   for (std::size_t e = 0; e < shift_.size(); ++e) pulled_proposed_[e] = pulled_[e] / (dt * dt);
   proposed_step_ = start.step;
   return report;

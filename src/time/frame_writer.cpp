@@ -96,10 +96,10 @@ XdmfCells shape_of(const DistributedMesh& mesh) {
 
 std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
 
-FrameWriter::FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder,
-                         std::vector<XdmfFrame> earlier)
+FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, std::vector<config::Field> fields,
+                         std::filesystem::path folder, std::vector<XdmfFrame> earlier)
     : cloth_(cloth), fields_(std::move(fields)), folder_(std::move(folder)),
-      sides_(sides_of_owned_cells(cloth.mesh)) {
+      sides_(sides_of_owned_cells(cloth.mesh)), obstacles_(cloth, obstacles) {
   cells_.frames = edges_.frames = std::move(earlier);
 }
 
@@ -155,6 +155,7 @@ void FrameWriter::write_mesh() {
       file.write<Global>("/xdmf_cells", numbers, 1, stream);
     }
     file.attribute("faces", faces.total);
+    if (!obstacles_.empty()) obstacles_.write_faces(file);
   });
   describe(mixed);
   cells_.cells_length = mixed ? stream.total : corners.total;
@@ -212,6 +213,7 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
     if (wants(strain)) write_edge_field(file, "strain", strains);
     if (wants(tension)) write_edge_field(file, "tension", tensions);
+    if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);
   });
   for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, file_of(frame)});
   write_xdmf();
@@ -220,6 +222,8 @@ void FrameWriter::write_frame(const State& state, Global frame) {
 
 void FrameWriter::write_xdmf() const {
   write_text_whole(cloth_.mesh.comm, folder_ / "frames.xdmf", xdmf(cells_));
+  if (!obstacles_.empty())
+    write_text_whole(cloth_.mesh.comm, folder_ / "obstacles.xdmf", obstacles_.xdmf(cells_.frames));
   if (cloth_.mesh.edges.total > 0) write_text_whole(cloth_.mesh.comm, folder_ / "edges.xdmf", xdmf(edges_));
 }
 

@@ -1,20 +1,20 @@
 #pragma once
-#include "io/xdmf.hpp"
 #include "src/time/observer.hpp"
+#include "src/time/obstacle_frames.hpp"
 
 #include <filesystem>
 
 namespace taut {
 
 /// Writes what ParaView shows: `mesh.h5`, `frames/frame_NNNNNN.h5`, `frames.xdmf` (cells) and `edges.xdmf`
-/// (constrained edges), everything in input order. Each file appears whole; the XDMF files are rewritten
-/// after every frame.
+/// (constrained edges), everything in input order, and `obstacles.xdmf` if there are obstacles. Each file
+/// appears whole; the XDMF files are rewritten after every frame.
 class FrameWriter : public Observer {
 public:
-  /// `cloth` must outlive the writer; `folder` exists. `earlier` are the frames a resumed run has in it
-  /// already, from the start on; none: the start is written too. Collective.
-  FrameWriter(const Cloth& cloth, std::vector<config::Field> fields, std::filesystem::path folder,
-              std::vector<XdmfFrame> earlier = {});
+  /// `cloth` and `obstacles` must outlive the writer; `folder` exists. `earlier` are the frames a resumed run
+  /// has in it already, from the start on; none: the start is written too. Collective.
+  FrameWriter(const Cloth& cloth, const Obstacles& obstacles, std::vector<config::Field> fields,
+              std::filesystem::path folder, std::vector<XdmfFrame> earlier = {});
 
   /// Relative to the folder.
   static std::string file_of(Global frame);
@@ -37,6 +37,7 @@ private:
   std::filesystem::path folder_;
   std::vector<std::array<Local, 4>>
       sides_; ///< of owned cells: the constrained edge on each side, -1 for none
+  ObstacleFrames obstacles_;
   XdmfDescription cells_, edges_;
   double seconds_ = 0;
 };
