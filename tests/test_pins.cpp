@@ -107,8 +107,8 @@ TEST(PinForces, AreToldByEveryMethodAndIntegrator) {
                                     {"sap", 1e-4},
                                     {"shake", 1e-4},
                                     {"rattle", 1e-4},
-                                    {"jacobi", 0.02},
-                                    {"gauss_seidel", 0.02},
+                                    {"jacobi", 0.06},
+                                    {"gauss_seidel", 0.06},
                                     {"xpbd", 1e-4},
                                     {"springs, springs: {stiffness: 500}", 1e-4}};
   for (const auto& [method, tolerance, integrator] : choices) {
@@ -127,7 +127,7 @@ TEST(PinForces, AreToldByEveryMethodAndIntegrator) {
 }
 
 TEST(SlidingPins, StayOnTheirLineAndFeelNothingAlongIt) {
-  constexpr double solved = 1e-7; // as exactly as linear systems are solved
+  constexpr double solved = 1e-6; // as exactly as linear systems are solved
   const std::vector<std::pair<std::string, double>> methods{
       {stretchy, 1e-12},
       {tight, 1e-12},
