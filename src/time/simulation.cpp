@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <cmath>
 #include <utility>
 
@@ -64,6 +66,13 @@ public:
 private:
   double last_ = MPI_Wtime();
 };
+
+/// Of this process since its start.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
 
 } // namespace
 
@@ -136,6 +145,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.force_density.resize(state_.force_density.size());
   const StepStart start = integrator_.start(state_, dt);
   Stopwatch watch;
+  const double cpu = cpu_seconds();
   if (xpbd_) {
     xpbd_->advance(state_, dt, prescribed_, candidate_);
     record.iterations = xpbd_->substeps();
@@ -148,6 +158,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
     end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
   record.strain = measure_strain(cloth_, end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
+  record.seconds.cpu = cpu_seconds() - cpu;
   if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
   return attempt;
 }
@@ -197,12 +208,14 @@ void Simulation::accept(double time, double dt) {
 }
 
 void Simulation::measure(StepRecord& record) const {
-  std::vector<double> sums(1 + forces_.size(), 0.0);
+  std::vector<double> sums(2 + forces_.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
-  for (std::size_t k = 0; k < forces_.size(); ++k) sums[1 + k] = forces_[k]->energy(state_);
+  for (std::size_t k = 0; k < forces_.size(); ++k) sums[2 + k] = forces_[k]->energy(state_);
+  sums[1] = record.seconds.cpu;
   sum_in_place(comm_, sums);
-  record.energies = {sums[0], {sums.begin() + 1, sums.end()}};
+  record.seconds.cpu = sums[1];
+  record.energies = {sums[0], {sums.begin() + 2, sums.end()}};
   record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
 }
 
