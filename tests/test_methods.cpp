@@ -71,7 +71,7 @@ Trip run(MPI_Comm comm, const Case& input) {
   Simulation simulation(comm, input);
   Observer* const observers[] = {&watch};
   const Outcome outcome = simulation.run(observers);
-  EXPECT_TRUE(outcome.completed) << outcome.reason;
+  EXPECT_TRUE(outcome.completed()) << outcome.reason;
   return {gather<Vec3>(comm, simulation.cloth().mesh.vertices, simulation.state().positions), watch.strain,
           watch.iterations};
 }
@@ -157,7 +157,7 @@ Hanging hang(const std::string& settings, double strain) {
                                        fmt::format("{}", strain) + (settings.empty() ? "" : ", " + settings) +
                                        "}\n"));
   const Outcome outcome = simulation.run({});
-  EXPECT_TRUE(outcome.completed) << outcome.reason;
+  EXPECT_TRUE(outcome.completed()) << outcome.reason;
   const DistributedMesh& mesh = simulation.cloth().mesh;
   return {gather<Vec3>(world, mesh.vertices, simulation.state().positions),
           gather<double>(world, mesh.edges, simulation.state().force_density) * 0.1, 0.2 * 0.1 * g};
