@@ -2,7 +2,7 @@
 
 A fast wrong answer is no answer: next to the cost stand the strain that was asked for and the one that was had, and
 how deep the cloth has fallen, because a cloth that does not fall does not stretch. XPBD has no limit: its substeps are
-doubled until the strain is there.
+doubled until the strain is there. In the plots, hollow marks are runs that did not come to their end.
 """
 from studies import scenes
 from studies.runs import smallest
@@ -42,7 +42,7 @@ def measure(laboratory, point):
         return found if not found.completed or found.strain <= strain else None
 
     substeps, found = smallest([10 * 2**k for k in range(8)], try_substeps)
-    if found is None or not found.completed:
+    if found is None:
         return {"status": "not reached"}
     return {**found.measures(), "substeps": substeps}
 
@@ -54,8 +54,11 @@ def completed(rows, method):
 def draw_over(key, label):
     def draw(axes, rows):
         for method in METHODS:
-            found = sorted((row[key], row["cpu_s_per_s"]) for row in rows if row["method"] == method and row.get("cpu_s_per_s"))
-            axes.loglog([x for x, _ in found], [y for _, y in found], "o-", label=method)
+            found = sorted((row[key], row["cpu_s_per_s"], row["status"]) for row in rows
+                           if row["method"] == method and row.get("cpu_s_per_s"))
+            line, = axes.loglog([x for x, _, _ in found], [y for _, y, _ in found], "o-", label=method)
+            stopped = [(x, y) for x, y, status in found if status != "completed"]
+            axes.plot([x for x, _ in stopped], [y for _, y in stopped], "o", color=line.get_color(), markerfacecolor="white")
         axes.set_xlabel(label)
         axes.set_ylabel("CPU s per simulated s")
         axes.legend(fontsize="small")
