@@ -9,8 +9,8 @@ from studies.runs import smallest
 from studies.table import Study
 
 METHODS = {"fast_projection": {}, "icd": {}, "sap": {}, "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}},
-           "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
-CONSTRAINED = list(METHODS)[:5]
+           "rattle": {}, "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
+CONSTRAINED = list(METHODS)[:6]
 LIMITING = ["jacobi", "gauss_seidel"]
 KEYS = ["method", "vertices_a_side", "strain_asked", "end_s"]
 STEP = 0.005  # s at most; every method takes smaller ones where it must
