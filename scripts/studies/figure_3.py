@@ -9,7 +9,7 @@ from studies import scenes
 from studies.runs import ENVIRONMENT
 from studies.table import Study
 
-STEPS = [0.02, 0.01, 0.005, 0.0025, 0.00125]
+STEPS = [0.02, 0.01, 0.005, 0.0025, 0.00125, 0.000625, 0.0003125]
 KEYS = ["vertices_a_side", "end_s"]
 
 
