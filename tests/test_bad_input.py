@@ -78,6 +78,14 @@ MISTAKES = [
     added("unknown_key", "gravty: [0, 0, 0]", "taut: case.yaml:5:1: unknown key 'gravty' (did you mean 'gravity'?)"),
     added("unknown_word", "velocity: {solver: mump}", "taut: case.yaml:5:20: velocity.solver: unknown word 'mump' (did "
           "you mean 'mumps'?); choose one of cg, mumps"),
+    added("key_of_another_method", "inextensibility: {method: shake, springs: {stiffness: 9}}", "taut: case.yaml:5:43: "
+          "inextensibility.springs: method shake does not use it; remove it, or choose another method"),
+    option("solver_of_a_sweep", "--set inextensibility.method=jacobi --set inextensibility.solver=mumps",
+           "taut: --set inextensibility.solver=mumps: inextensibility.solver: method jacobi does not use it; remove it, or "
+           "choose another method"),
+    added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
+          "taut: case.yaml:5:18: inextensibility: contact goes with method fast_projection only, of which it is a part; "
+          "choose that method, or contact.model: none"),
     option("unknown_fabric", "--set cloth.fabric=denin", "taut: --set cloth.fabric=denin: cloth.fabric: unknown word "
            "'denin' (did you mean 'denim'?); choose one of cotton, wool, silk, canvas, denim, polyester, polycotton, "
            "interlock, ponte"),

@@ -122,7 +122,7 @@ TEST(Checkpoint, HoldsEverything) {
   t.strain_max = 1.0 / 3, t.strain_squares = 1e-300, t.strain_limit = 0.01;
   t.histogram = {double(rank_of(world)), 1.0};
   t.phases.velocity = 0.1, t.phases.projection = 0.2;
-  t.seconds = 0.3, t.setup_seconds = 0.4, t.output_seconds = 0.5;
+  t.phases.cpu = 0.25, t.seconds = 0.3, t.setup_seconds = 0.4, t.output_seconds = 0.5;
   write_checkpoint(folder / "a.h5", simulation.cloth().mesh, written);
   const Checkpoint read = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
 
@@ -147,8 +147,10 @@ TEST(Checkpoint, HoldsEverything) {
                      t.contacts_max, t.intersections, t.phases.contact));
   EXPECT_EQ(std::tie(r.strain_max, r.strain_squares, r.strain_limit),
             std::tie(t.strain_max, t.strain_squares, t.strain_limit));
-  EXPECT_EQ(std::tie(r.phases.velocity, r.phases.projection, r.seconds, r.setup_seconds, r.output_seconds),
-            std::tie(t.phases.velocity, t.phases.projection, t.seconds, t.setup_seconds, t.output_seconds));
+  EXPECT_EQ(std::tie(r.phases.velocity, r.phases.projection, r.phases.cpu, r.seconds, r.setup_seconds,
+                     r.output_seconds),
+            std::tie(t.phases.velocity, t.phases.projection, t.phases.cpu, t.seconds, t.setup_seconds,
+                     t.output_seconds));
   std::vector<double> histogram = r.histogram;
   sum_in_place(world, histogram);
   EXPECT_EQ(histogram, (std::vector<double>{all() * (all() - 1) / 2.0, double(all())}));

@@ -400,6 +400,47 @@ TEST(ConfigError, Checks) {
 
 // Overrides.
 
+// A key that the chosen method would not look at: for each, the methods that use it; all others refuse it.
+TEST(ConfigError, KeysThatAMethodDoesNotUse) {
+  const std::string keep{"fast_projection icd sap shake rattle "}, sweep{"jacobi gauss_seidel "};
+  const std::vector<std::pair<std::string, std::string>> used_by{{"solver: mumps", keep},
+                                                                 {"max_iterations: 7", keep},
+                                                                 {"carried_tension: false", keep + sweep},
+                                                                 {"compliance: 1e-3", keep + "xpbd "},
+                                                                 {"shake: {matrix: lagged}", "shake rattle "},
+                                                                 {"limiting: {max_sweeps: 9}", sweep},
+                                                                 {"xpbd: {substeps: 4}", "xpbd "},
+                                                                 {"springs: {stiffness: 100}", "springs "}};
+  for (const std::string_view word : words_of(config::InextensibilityMethod{}))
+    for (const auto& [setting, users] : used_by) {
+      const std::string method(word), key = setting.substr(0, setting.find(':')),
+                                      before = "inextensibility: {method: " + method + ", ";
+      const bool uses = users.find(method + " ") != std::string::npos;
+      const std::string column = std::to_string(before.size() + setting.find(':') + 3);
+      EXPECT_EQ(error_after_cloth(before + setting + "}"),
+                uses ? "no error"
+                     : at("2:" + column, "inextensibility." + key + ": method " + method +
+                                             " does not use it; remove it, or choose another method"));
+    }
+}
+
+// What goes with a method is not only a matter of its own block.
+TEST(ConfigError, MethodsThatDoNotGoWithOtherKeys) {
+  const std::string xpbd = "inextensibility: {method: xpbd}\n", plane = "obstacles: [{plane: {}}]\n";
+  EXPECT_EQ(error_after_cloth(xpbd), "no error");
+  for (const std::string integrator : {"bdf2", "imex"})
+    EXPECT_THAT(error_after_cloth(xpbd + "time: {integrator: " + integrator + "}\n"),
+                testing::HasSubstr("integrator is not used by inextensibility.method xpbd"));
+  EXPECT_EQ(error_after_cloth(plane), "no error");
+  for (const std::string_view word : words_of(config::InextensibilityMethod{}))
+    EXPECT_EQ(error_after_cloth(plane + "inextensibility: {method: " + std::string(word) + "}\n") ==
+                  "no error",
+              word == "fast_projection")
+        << word;
+  EXPECT_THAT(error_after_cloth(plane + "time: {integrator: bdf2}\n"),
+              testing::HasSubstr("integrator bdf2 does not go with contact"));
+}
+
 TEST(ConfigOverride, SetsValues) {
   const std::string pinned = grid + "pins: [{vertices: [0]}]";
   EXPECT_EQ(read(grid, {{"time.max_step", "2 ms"}}).time.max_step, 0.002);

@@ -6,16 +6,18 @@
 
 namespace taut {
 
-/// Wall-clock seconds of the phases of a step, or of a run.
+/// What a step, or a run, took: seconds on the clock by phase, and of the processors.
 struct PhaseSeconds {
   double velocity = 0;
   double projection = 0; ///< without `contact`
   double contact = 0;    ///< finding what can meet, and moving without meeting
+  double cpu = 0;        ///< of all phases and all ranks; waiting for other ranks counts
 
   PhaseSeconds& operator+=(const PhaseSeconds& other) {
     velocity += other.velocity;
     projection += other.projection;
     contact += other.contact;
+    cpu += other.cpu;
     return *this;
   }
 };

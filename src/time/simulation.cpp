@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <cmath>
 #include <utility>
 
@@ -40,6 +42,13 @@ public:
 private:
   double last_ = MPI_Wtime();
 };
+
+/// Of this process since its start.
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
 
 } // namespace
 
@@ -112,6 +121,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.force_density.resize(state_.force_density.size());
   const StepStart start = integrator_.start(state_, dt);
   Stopwatch watch;
+  const double cpu = cpu_seconds();
   if (xpbd_) {
     xpbd_->advance(state_, dt, freedom_, candidate_);
     record.iterations = xpbd_->substeps();
@@ -125,6 +135,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
   record.strain = measure_strain(cloth_, end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
+  record.seconds.cpu = cpu_seconds() - cpu;
   if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
   return attempt;
 }
@@ -190,14 +201,16 @@ void Simulation::accept(double time, double dt) {
 
 void Simulation::measure(StepRecord& record) const {
   const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reaction);
-  std::vector<double> sums(1 + forces_.size(), 0.0);
+  std::vector<double> sums(2 + forces_.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
-  for (std::size_t k = 0; k < forces_.size(); ++k) sums[1 + k] = forces_[k]->energy(state_);
+  sums[1] = record.seconds.cpu;
+  for (std::size_t k = 0; k < forces_.size(); ++k) sums[2 + k] = forces_[k]->energy(state_);
   for (const Vec3& f : pins) sums.insert(sums.end(), f.begin(), f.end());
   sum_in_place(comm_, sums);
-  const auto potentials = sums.begin() + 1, forces = potentials + std::ptrdiff_t(forces_.size());
+  const auto potentials = sums.begin() + 2, forces = potentials + std::ptrdiff_t(forces_.size());
   record.energies = {sums[0], {potentials, forces}};
+  record.seconds.cpu = sums[1];
   for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);
   record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
 }

@@ -143,6 +143,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"velocity", all.phases.velocity},
         {"projection", all.phases.projection},
         {"contact", all.phases.contact},
+        {"cpu", all.phases.cpu},
         {"output", all.output_seconds}}},
       {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";

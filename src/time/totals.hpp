@@ -38,6 +38,7 @@ void visit_totals(T& totals, V& visit) {
   visit("projection_seconds", totals.phases.projection);
   visit("contact_seconds", totals.phases.contact);
   visit("seconds", totals.seconds);
+  visit("cpu_seconds", totals.phases.cpu);
   visit("setup_seconds", totals.setup_seconds);
   visit("output_seconds", totals.output_seconds);
 }
