@@ -28,7 +28,7 @@ public:
   Step(const Simulation& simulation, const Case& input)
       : simulation_(simulation), input_(input), pattern_(simulation.cloth().mesh),
         predictor_(simulation.cloth(), pattern_, simulation.forces(), input.velocity, input.time.integrator),
-        prescribed_(simulation.cloth().mesh.vertices.size()) {
+        freedom_(simulation.cloth().mesh.vertices.size()) {
     const Cloth& cloth = simulation.cloth();
     for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) weight_ += cloth.mass[i] * input.gravity.norm();
     weight_ = sum_over(cloth.mesh.comm, weight_);
@@ -40,8 +40,8 @@ public:
     std::fill(start_.force_density.begin(), start_.force_density.end(), 0.0);
     candidate_.velocities = start_.velocities;
     candidate_.force_density.assign(simulation_.cloth().mesh.edges.size(), 0.0);
-    simulation_.pins().prescribe(start_, dt, prescribed_, candidate_.velocities);
-    predictor_.predict(start_, dt, prescribed_, candidate_.velocities);
+    simulation_.pins().prescribe(start_, dt, freedom_, candidate_.velocities);
+    predictor_.predict(start_, dt, freedom_, candidate_.velocities, candidate_.reaction);
   }
 
   struct Left {
@@ -56,7 +56,7 @@ public:
     options.max_iterations = iterations;
     FastProjection projection(simulation_.cloth(), options, weight_);
     Candidate end = candidate_;
-    const FilterReport report = projection.apply(start_, dt_, prescribed_, end);
+    const FilterReport report = projection.apply(start_, dt_, freedom_, end);
     return {residual(end), report.iterations, report.failure.empty()};
   }
 
@@ -66,13 +66,13 @@ private:
     std::vector<Vec3> x = start_.positions;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += dt_ * end.velocities[i];
     EdgeConstraints constraints(cloth, input_.inextensibility, weight_);
-    constraints.start(dt_, prescribed_);
+    constraints.start(dt_, freedom_);
     constraints.evaluate(x);
     std::vector<double> mu(end.force_density.size());
     constraints.to_mu(end.force_density, mu);
     double force = 0, weight = 0;
     for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
-      if (prescribed_[i]) continue;
+      if (freedom_.is_held(i)) continue;
       const Vec3 moved = dt_ * (end.velocities[i] - candidate_.velocities[i]);
       const Vec3 f = cloth.mass[i] * moved + constraints.pull(i, constraints.gradients(), mu);
       force += f.squaredNorm();
@@ -88,7 +88,7 @@ private:
   ImplicitEuler predictor_;
   State start_; ///< without the tension of the step before
   Candidate candidate_;
-  std::vector<char> prescribed_;
+  Freedom freedom_;
   double dt_ = 0, weight_ = 0;
 };
 
