@@ -10,7 +10,7 @@ from studies.table import Study
 
 METHODS = {"fast_projection": {}, "icd": {}, "sap": {}, "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}},
            "rattle": {}, "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
-CONSTRAINED = list(METHODS)[:6]
+CONSTRAINED = list(METHODS)[:5]  # of the figure, which has no RATTLE
 LIMITING = ["jacobi", "gauss_seidel"]
 KEYS = ["method", "vertices_a_side", "strain_asked", "end_s"]
 STEP = 0.005  # s at most; every method takes smaller ones where it must
@@ -25,7 +25,7 @@ def plan_a(quick):
 
 
 def plan_b(quick):
-    return points([10, 20], [0.01], 0.1) if quick else points([20, 40, 71, 100, 141], [0.01], 0.3)
+    return points([16, 41], [0.01], 0.1) if quick else points([20, 40, 71, 100, 141], [0.01], 0.3)
 
 
 def measure(laboratory, point):
