@@ -17,8 +17,7 @@ def measure(laboratory, point):
     side, end, step = (point[key] for key in KEYS)
 
     def frames(method, step_there):
-        run = laboratory.run(scenes.drape(side, end, step_there, method=method, strain=0.01))
-        return run.frames() if run.completed else []
+        return laboratory.whole_run(scenes.drape(side, end, step_there, method=method, strain=0.01)).frames()
 
     fast, icd, half = frames("fast_projection", step), frames("icd", step), frames("fast_projection", step / 2)
     draw_shapes(laboratory.stem, side, {"Fast Projection": fast[-1][1], "ICD": icd[-1][1]})

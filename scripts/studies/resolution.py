@@ -15,7 +15,7 @@ def measure(laboratory, point):
     coarse, fine, end, step = (point[key] for key in KEYS)
 
     def shapes(side):
-        run = laboratory.run(scenes.drape(side, end, step, strain=0.01))
+        run = laboratory.whole_run(scenes.drape(side, end, step, strain=0.01))
         every = (side - 1) // (coarse - 1)
         return [(time, x.reshape(side, side, 3)[::every, ::every].reshape(-1, 3)) for time, x in run.frames()]
 

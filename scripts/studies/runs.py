@@ -103,6 +103,14 @@ class Laboratory:
             self.runs[known] = Run(folder)
         return self.runs[known]
 
+    def whole_run(self, case):
+        """The run of a case that a study makes no sense without."""
+        run = self.run(case)
+        if not run.completed:
+            reason = run.summary["reason"] if run.summary else "it was killed"
+            sys.exit(f"study: a run did not come to its end ({reason}); give it more time with --limit")
+        return run
+
     def finish(self, process):
         """Waits; a run that takes too long is told to stop after the step it is in, then killed."""
         for seconds, end in ((self.limit, signal.SIGUSR1), (GRACE, signal.SIGKILL), (None, None)):
