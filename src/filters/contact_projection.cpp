@@ -10,12 +10,12 @@ namespace taut {
 
 namespace {
 
-constexpr int most_products = 40;    ///< in one program; what is left waits for the next iteration
-constexpr double strain_left = 0.15; ///< of the limit, by a program
-constexpr double gap_left = 0.1;     ///< by a program, of what a free vertex falls in a step
-constexpr double slip_left = 0.03;   ///< the same
-constexpr double slack = 1.0;        ///< of the thickness: how far a target may leave a search
-constexpr int patience = 6;          ///< iterations until stuck vertices are let go
+constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
+constexpr double strain_left = 0.2; ///< of the limit, by a program
+constexpr double gap_left = 0.1;    ///< by a program, of what a free vertex falls in a step
+constexpr double slip_left = 0.03;  ///< the same
+constexpr double slack = 1.0;       ///< of the thickness: how far a target may leave a search
+constexpr int patience = 6;         ///< iterations until stuck vertices are let go
 
 SolverOptions solver_options(const config::Inextensibility& options) {
   return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
@@ -57,11 +57,10 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, doub
       thickness_(contact_.thickness.value_or(0.1 * mean_edge(cloth))),
       compliance_(
           limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
-      gravity_(input.gravity.norm()), max_step_(input.time.max_step), leave_(cloth.mesh.edges.owned),
-      gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
-      shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
-      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()),
-      guess_(cloth.mesh.edges.owned) {
+      gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
+      inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
+      residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {
   const double most = 0.5 * shortest_edge(cloth);
   if (thickness_ > most)
     throw InputError(
@@ -82,12 +81,12 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] { search(); });
   for (iteration_ = 1;; ++iteration_) {
+    make_rows();
     const double strain = strain_at_target(freedom);
     if (!std::isfinite(strain)) {
       report.failure = "the positions are no longer finite";
       break;
     }
-    make_rows();
     project(strain, report);
     note_contact_forces(candidate); // before another search renumbers what the rows refer to
     report.contacts = std::max(report.contacts, contacts_);
@@ -128,7 +127,6 @@ void ContactProjection::propose(Candidate& candidate) const {
 void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
                               const Candidate& candidate) {
   dt_ = dt;
-  recovery_ = std::min(1.0, dt / max_step_);
   fall_ = gravity_ > 0 ? std::min(thickness_, gravity_ * dt * dt) : thickness_;
   for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
@@ -148,8 +146,6 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
     inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
   for (std::size_t e = 0; e < shift_.size(); ++e) {
-    const double strain = strain_of(cloth_, start.positions, e), most = 0.8 * limits_.strain;
-    leave_[e] = (1 - recovery_) * 2 * cloth_.rest_length[e] * std::clamp(strain, -most, most);
     shift_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
     tolerance_[e] = strain_left * limits_.strain * 2.0 * cloth_.rest_length[e];
   }
@@ -186,9 +182,10 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
     gradient_[e] = (2.0 / l) * d;
     if (!mesh.owns_edge(e)) continue;
     const double length = d.norm();
-    // |d|^2 / l - l, but of an edge that is too short no more than its missing length is asked for
-    const double value = length > l ? length * length / l - l : 2 * (length / l) * (length - l);
-    residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - leave_[e] - shift_[e] * mu_[e];
+    // |d|^2 / l - l, but under contact an edge that is too short asks for no more than its missing length
+    const double value =
+        length > l || contacts_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
+    residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - shift_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
@@ -259,9 +256,6 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
   const double gap = here.normal.dot(ahead) - pair.radius;
-  Vec3 behind = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) behind += here.weights[i] * start_field_[pair.vertices[i]];
-  const double wanted = recovered(here.normal.dot(behind) - pair.radius);
   const bool blocked = !blocked_.empty() && blocked_.contains(name_of(pair, search_.keys()));
   if (std::min(gap, here.gap) >= 2.0 * thickness_ && !blocked) return;
   const bool inside =
@@ -271,7 +265,7 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return; // nothing here can be moved
   const ContactKey key = key_of(pair, here, search_.keys());
-  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, wanted - gap, 0.0, HUGE_VAL,
+  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap, 0.0, HUGE_VAL,
                    gap_left * fall_, 0.0, key, true});
   rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
 }
@@ -285,11 +279,6 @@ double ContactProjection::pressing(const ContactRow& normal) const {
   // a new contact is going to be pressed by what it takes to stop it
   return pressed_before_.contains(normal.key) ? before(normal.key).normal
                                               : std::max(0.0, normal.missing) / normal.mobility;
-}
-
-/// The gap that a contact is to have at the end of a step that it begins with `gap`.
-double ContactProjection::recovered(double gap) const {
-  return gap >= thickness_ ? thickness_ : gap + recovery_ * (thickness_ - gap);
 }
 
 /// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force. The

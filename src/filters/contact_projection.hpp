@@ -50,7 +50,6 @@ private:
   double strain_at_target(const Freedom& freedom);
   Pressed before(const ContactKey& key) const;
   void note_contact_forces(Candidate& candidate);
-  double recovered(double gap) const;
   void make_rows();
   void recall_contacts();
   void add_normal_row(const Pair& pair, const Approach& here);
@@ -75,11 +74,6 @@ private:
   ProjectionSystem system_;
   ContactQp qp_;
   double thickness_, compliance_, gravity_;
-  double max_step_; ///< s
-  /// Part of the strain and of the missing gap that a step may take away: all of it in the longest step. A
-  /// short step that did the same would have to do it at a speed that the next one cannot stop.
-  double recovery_ = 1;
-  std::vector<double> leave_; ///< m, the value of the edge constraints that the step may keep
 
   // of the step in hand
   double dt_ = 0;
