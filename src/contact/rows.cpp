@@ -28,4 +28,11 @@ ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Gl
   return key;
 }
 
+ContactKey name_of(const Pair& pair, std::span<const Global> keys) {
+  ContactKey key;
+  for (int i = 0; i < 4; ++i) key[i] = keys[pair.vertices[i]];
+  if (pair.kind == PairKind::edge_edge) key[0] = -2 - key[0];
+  return key;
+}
+
 } // namespace taut

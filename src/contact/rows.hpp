@@ -25,4 +25,7 @@ struct ContactRow {
 /// The features of a pair that are in play at its closest points, those with a weight.
 ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Global> keys);
 
+/// Names a pair by its vertices, whatever its closest points are.
+ContactKey name_of(const Pair& pair, std::span<const Global> keys);
+
 } // namespace taut
