@@ -183,6 +183,7 @@ TEST(ContactProjection, FallsAlikeAtAnyNumberOfRanksUntilItTouches) {
   const auto run = [](MPI_Comm comm) {
     Case input = case_of(heap);
     input.time.end = 0.1;
+    input.cloth.start.translate[2] += 0.05;
     input.velocity.solver = input.inextensibility.solver = config::LinearSolver::mumps;
     Simulation simulation(comm, input);
     Recorder record(simulation);
