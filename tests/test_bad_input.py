@@ -123,6 +123,12 @@ MISTAKES = [
          "corners in order around it"),
     mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
          "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
+    added("averages_of_quads", "inextensibility: {constrain: vertices}\n",
+          "taut: case.yaml: inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines keep "
+          "warp and weft by their edges: choose edges"),
+    added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
+          "taut: case.yaml:5: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
+          "method, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",
          options=("--set", "cloth.material.bending_model=yarn")),

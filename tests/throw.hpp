@@ -1,6 +1,7 @@
 #pragma once
 // A cloth that a step is about to tear out of shape, for tests of filters.
 #include "src/filters/make_filter.hpp"
+#include "src/state/strain_gauge.hpp"
 #include "tests/support.hpp"
 
 #include <gtest/gtest.h>

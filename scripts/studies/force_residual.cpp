@@ -54,7 +54,7 @@ public:
   Left project(int iterations) const {
     config::Inextensibility options = input_.inextensibility;
     options.max_iterations = iterations;
-    FastProjection projection(simulation_.cloth(), options, weight_);
+    FastProjection<EdgeRows> projection(simulation_.cloth(), options, weight_);
     Candidate end = candidate_;
     const FilterReport report = projection.apply(start_, dt_, freedom_, end);
     return {residual(end), report.iterations, report.failure.empty()};

@@ -16,6 +16,15 @@ def drape(vertices, end, step, **inextensibility):
     return case
 
 
+def sphere(vertices, end):
+    """cases/sphere on vertices x vertices, every step tested for intersections."""
+    case = yaml.safe_load((ROOT / "cases/sphere/case.yaml").read_text())
+    case["cloth"]["grid"]["vertices"] = [vertices, vertices]
+    case["time"]["end"] = end
+    case["contact"] = {**case.get("contact", {}), "check": "step"}
+    return case
+
+
 def chain(vertices, step, **inextensibility):
     """Resists stretching but not bending; 1 m and 0.1 kg, let go from the horizontal [G07 figure 4]."""
     return {"name": "chain", "cloth": {"line": {"length": 1, "vertices": vertices},

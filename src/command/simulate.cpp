@@ -2,6 +2,7 @@
 
 #include "io/whole_file.hpp"
 #include "src/command/run_folder.hpp"
+#include "src/config/methods.hpp"
 #include "src/time/checkpointer.hpp"
 #include "src/time/step_log.hpp"
 #include "src/time/stop_signal.hpp"
@@ -84,9 +85,25 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
   return exit_code(outcome.ending);
 }
 
+namespace {
+
+void warn_of_locking(const Simulation& simulation) {
+  const config::Inextensibility& limits = simulation.inextensibility();
+  if (!simulation.cloth().mesh.triangles_only || limits.constrain != config::Constrain::edges ||
+      !config::holds_limit(limits))
+    return;
+  fmt::print(stderr,
+             "taut: warning: a mesh of triangles locks if all its edges keep their lengths: it folds only "
+             "along edges, in small steps; use quads, or inextensibility.constrain: vertices with method "
+             "fast_projection and without contact\n");
+}
+
+} // namespace
+
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, const fs::path& out) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) != 0) return;
+  warn_of_locking(simulation);
   fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "
              "imbalance {:.3f})\n"
              "writing {}\n",

@@ -29,6 +29,7 @@ enum class InextensibilityMethod {
   springs,
   none
 };
+enum class Constrain { edges, vertices };
 enum class ShakeMatrix { newton, lagged };
 enum class ContactModel { constraint, none };
 enum class CheckAt { frame, step, none };
@@ -46,6 +47,7 @@ constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
   return {"fast_projection", "icd",          "sap",  "shake",   "rattle",
           "jacobi",          "gauss_seidel", "xpbd", "springs", "none"};
 }
+constexpr std::array<std::string_view, 2> words_of(Constrain) { return {"edges", "vertices"}; }
 constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
 constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
@@ -108,7 +110,7 @@ struct Material {
   RestAngles rest_angles = RestAngles::flat;
   double shear = 10; ///< N/m
   ShearModel shear_model = ShearModel::baraff_witkin;
-  double stretch = 0;                 ///< N/m, N on a line
+  std::optional<double> stretch;      ///< N/m, N on a line; absent: see make_forces
   std::optional<double> stretch_weft; ///< N/m; absent: as `stretch`
   Vec2 stretch_target = Vec2::Ones(); ///< lengths of warp and weft over those of the rest shape
   Damping damping;
@@ -219,10 +221,11 @@ struct Air {
 };
 
 struct Time {
-  double end = 1;         ///< s
-  double frame_rate = 30; ///< Hz
-  double max_step = 0.01; ///< s
-  double min_step = 1e-6; ///< s
+  double end = 1;                           ///< s
+  double frame_rate = 30;                   ///< Hz
+  double max_step = 0.01;                   ///< s
+  double min_step = 1e-6;                   ///< s
+  std::optional<double> max_stretch_change; ///< absent: any
   Integrator integrator = Integrator::implicit_euler;
   bool operator==(const Time&) const = default;
 };
@@ -260,6 +263,7 @@ struct Springs {
 
 struct Inextensibility {
   InextensibilityMethod method = InextensibilityMethod::fast_projection;
+  std::optional<Constrain> constrain; ///< absent: see constrain_of
   double strain = 0.01;
   LinearSolver solver = LinearSolver::cg;
   int max_iterations = 20;

@@ -99,6 +99,7 @@ void describe(V& v, Is<Material> auto& m) {
   v("stretch", m.stretch,
     {.unit = Unit::cloth_stretch,
      .range = not_negative,
+     .computed_default = "0; from the weight, where `inextensibility.constrain` is vertices",
      .meaning = "stretch stiffness of warp and weft, per strain; for cloth without inextensibility"});
   v("stretch_weft", m.stretch_weft,
     {.unit = Unit::cloth_stretch,
@@ -267,6 +268,10 @@ void describe(V& v, Is<Time> auto& t) {
   v("max_step", t.max_step, {.unit = Unit::second, .range = positive, .meaning = "longest time step"});
   v("min_step", t.min_step,
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});
+  v("max_stretch_change", t.max_stretch_change,
+    {.range = positive,
+     .computed_default = "any",
+     .meaning = "a step in which the stretch of warp or weft changes more anywhere is tried again, shorter"});
   v.check("min_step", t.min_step <= t.max_step,
           fmt::format("{} is above max_step, {}; make it smaller", t.min_step, t.max_step));
   v.check("frame_rate", t.frame_rate * t.min_step <= 1,
@@ -321,7 +326,12 @@ void check_use(V& v, std::string_view name, bool left_alone, bool used, Inextens
 template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
-  v("strain", i.strain, {.range = fraction, .meaning = "largest strain of an edge that is left"});
+  v("constrain", i.constrain,
+    {.computed_default = "vertices on triangles alone, with fast_projection and no contact; else edges",
+     .meaning =
+         "what keeps its length: every edge, which locks meshes of triangles, or on these warp and weft "
+         "averaged at every vertex"});
+  v("strain", i.strain, {.range = fraction, .meaning = "largest strain that is left"});
   v("solver", i.solver, {.meaning = "linear solver of a projection"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
   v("carried_tension", i.carried_tension, {.meaning = "start a step from the tension of the last"});
@@ -340,6 +350,8 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   using enum InextensibilityMethod;
   const Inextensibility standard;
   const bool projects = is_projection(i.method);
+  v.check("constrain", i.constrain != Constrain::vertices || i.method == fast_projection,
+          "vertices goes with method fast_projection only; choose that method, or edges");
   check_use(v, "solver", i.solver == standard.solver, projects, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "carried_tension", i.carried_tension == standard.carried_tension, is_filter(i.method),
@@ -401,6 +413,8 @@ void describe(V& v, Is<Case> auto& c) {
           c.inextensibility.method == InextensibilityMethod::fast_projection || !c.has_contact(),
           "contact goes with method fast_projection only, of which it is a part; choose that method, or "
           "contact.model: none");
+  v.check("inextensibility", c.inextensibility.constrain != Constrain::vertices || !c.has_contact(),
+          "contact goes with constrain: edges only; choose that, or contact.model: none");
   v.check(
       "inextensibility",
       c.inextensibility.solver != LinearSolver::mumps ||

@@ -25,4 +25,12 @@ inline bool holds_limit(const Inextensibility& i) {
          (is_limiting(i.method) && i.limiting.value_or(Limiting{}).must_reach_limit);
 }
 
+/// What the strain limit holds for, on a mesh of triangles alone or on another.
+inline Constrain constrain_of(const Case& input, bool triangles_only) {
+  const bool can_average =
+      input.inextensibility.method == InextensibilityMethod::fast_projection && !input.has_contact();
+  return input.inextensibility.constrain.value_or(triangles_only && can_average ? Constrain::vertices
+                                                                                : Constrain::edges);
+}
+
 } // namespace taut::config

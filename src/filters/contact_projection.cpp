@@ -1,4 +1,5 @@
 #include "src/filters/contact_projection.hpp"
+#include "src/state/strain_gauge.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -5,17 +5,13 @@
 
 namespace taut {
 
-namespace {
-
-double default_compliance(double limit, double weight) {
-  return weight > 0 ? 4.9 * std::pow(0.1 * limit, 1.5) / weight : 0.0;
+double compliance_of(const config::Inextensibility& options, double weight) {
+  return options.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * options.strain, 1.5) / weight : 0.0);
 }
 
-} // namespace
-
 EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options, double weight)
-    : cloth_(cloth), compliance_(options.compliance.value_or(default_compliance(options.strain, weight))),
-      gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned), shift_(cloth.mesh.edges.owned),
+    : cloth_(cloth), compliance_(compliance_of(options, weight)), gradients_(cloth.mesh.edges.size()),
+      values_(cloth.mesh.edges.owned), shift_(cloth.mesh.edges.owned),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void EdgeConstraints::start(double dt, const Freedom& freedom) {

@@ -4,15 +4,18 @@
 
 namespace taut {
 
+/// The compliance c in 1/N that `options` ask for, of a cloth with this weight in N. By default it is such
+/// that a taut thread which bears the whole weight W stretches by e = a tenth of the limit: it sags by s with
+/// e = 8/3 (s/L)^2 and T = W L/(8 s), so c = e/T = 4.9 e^(3/2) / W.
+double compliance_of(const config::Inextensibility& options, double weight);
+
 /// The constraints of all edges, C = |d|^2/l - l = 0 [G07 section 3], with their gradients: dC/dx = 2 d/l by
 /// the second vertex of an edge, minus that by the first. What the methods that solve for tensions share.
 ///
 /// Tensions are told by mu = h^2 lambda: the force density of an edge is q = 2 mu/(l h^2), in N/m. Each
 /// constraint has a compliance c, the strain of an edge per newton of its tension, so that C = a mu with a =
 /// 4 l c/h^2. Without it a thread pulled straight between two pins makes systems singular: what little it may
-/// sag asks for a tension without bound. The default c is such that a taut thread which bears the whole
-/// weight W of the cloth stretches by e = a tenth of the limit: it sags by s with e = 8/3 (s/L)^2 and T = W
-/// L/(8 s), so c = e/T = 4.9 e^(3/2) / W.
+/// sag asks for a tension without bound.
 class EdgeConstraints {
 public:
   /// `cloth` must outlive the constraints; `weight` is that of the whole cloth in N, for the default

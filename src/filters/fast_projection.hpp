@@ -1,7 +1,7 @@
 #pragma once
-#include "src/filters/edge_constraints.hpp"
+#include "src/filters/edge_rows.hpp"
+#include "src/filters/metric_rows.hpp"
 #include "src/filters/velocity_filter.hpp"
-#include "src/linear/projection_system.hpp"
 
 namespace taut {
 
@@ -10,13 +10,14 @@ namespace taut {
 ///
 ///     (J W J^T + a) d_mu = C(x) - a mu,   x <- x - W J^T d_mu,   mu <- mu + d_mu,
 ///
-/// with the constraints C, their gradients J and the compliance a of EdgeConstraints, and W = S_i / m_i the
-/// inverse masses in the directions in which vertices may move. mu = h^2 lambda is the tension of the step,
-/// that carried from the last one included. Linear momentum of a free cloth is kept to round-off whatever the
-/// accuracy of the linear solver.
+/// with the constraints C, their gradients J and the compliance a of `Rows` (EdgeRows or MetricRows), and W =
+/// S_i / m_i the inverse masses in the directions in which vertices may move. mu = h^2 lambda is the tension
+/// of the step, that carried from the last one included. Linear momentum of a free cloth is kept to round-off
+/// whatever the accuracy of the linear solver.
 ///
 /// Every step projects at least once, even if the candidate is within the limit: a cloth that uses up the
 /// limit first has to be stopped by a jerk.
+template<class Rows>
 class FastProjection : public VelocityFilter {
 public:
   /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
@@ -24,17 +25,11 @@ public:
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
-  double compliance() const { return constraints_.compliance(); } ///< in 1/N
-
 private:
-  void correct(double dt, Candidate& candidate);
-
   const Cloth& cloth_;
   config::Inextensibility options_;
-  EdgeConstraints constraints_;
-  ProjectionSystem system_;
+  Rows rows_;
   std::vector<Vec3> positions_;
-  std::vector<double> residual_, change_, mu_;
 };
 
 } // namespace taut

@@ -15,7 +15,9 @@ std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& p
   using enum config::InextensibilityMethod;
   switch (options.method) {
   case fast_projection:
-    return std::make_unique<FastProjection>(cloth, options, weight);
+    if (options.constrain == config::Constrain::vertices)
+      return std::make_unique<FastProjection<MetricRows>>(cloth, options, weight);
+    return std::make_unique<FastProjection<EdgeRows>>(cloth, options, weight);
   case icd:
     return std::make_unique<Icd>(cloth, pattern, options, weight);
   case sap:

@@ -1,4 +1,5 @@
 #include "src/filters/strain_limiting.hpp"
+#include "src/state/strain_gauge.hpp"
 
 #include <fmt/format.h>
 

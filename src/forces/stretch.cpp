@@ -11,29 +11,32 @@ namespace {
 
 double double_area(const Vec2& a, const Vec2& b) { return a[0] * b[1] - b[0] * a[1]; }
 
-void append_triangle(const LocalCell& cell, const Corners2& m, std::vector<Tangent>& tangents) {
-  const auto& v = cell.vertices;
+void append_triangle(const DistributedMesh& mesh, std::size_t cell, std::vector<Tangent>& tangents) {
+  const auto& v = mesh.cells[cell].vertices;
+  const Corners2 m = material_coordinates(mesh, cell);
   const auto c = tangent_coefficients(m);
   const double area = 0.5 * double_area(m[1] - m[0], m[2] - m[0]);
   for (int direction = 0; direction < 2; ++direction)
-    tangents.push_back({{{v[0], v[1], v[2]}, c[direction]}, area, direction});
+    tangents.push_back({{{v[0], v[1], v[2]}, c[direction]}, area, direction, cell});
 }
 
-void append_side(Local a, Local b, double length, double measure, int direction,
+void append_side(Local a, Local b, double length, double measure, int direction, std::size_t cell,
                  std::vector<Tangent>& tangents) {
-  tangents.push_back({{{a, b, a}, {-1 / length, 1 / length, 0}}, measure, direction});
+  tangents.push_back({{{a, b, a}, {-1 / length, 1 / length, 0}}, measure, direction, cell});
 }
 
 /// A quad need not be plane: its sides are as long as they are in space.
-void append_quad(const LocalCell& cell, const Corners2& m, std::span<const Vec3> rest,
-                 std::vector<Tangent>& tangents) {
+void append_quad(const DistributedMesh& mesh, std::size_t cell, std::vector<Tangent>& tangents) {
+  const auto& v = mesh.cells[cell].vertices;
+  const auto& rest = mesh.rest_positions;
+  const Corners2 m = material_coordinates(mesh, cell);
   const double area = 0.5 * double_area(m[2] - m[0], m[3] - m[1]);
   const Vec2 along = m[1] - m[0] + m[2] - m[3];
   const int first = std::abs(along[0]) >= std::abs(along[1]) ? 0 : 1; // direction of side 0
   for (int k = 0; k < 4; ++k) {
     const int next = (k + 1) % 4;
-    const Local a = cell.vertices[k], b = cell.vertices[next];
-    append_side(a, b, (rest[b] - rest[a]).norm(), area / 2, (first + k) % 2, tangents);
+    const Local a = v[k], b = v[next];
+    append_side(a, b, (rest[b] - rest[a]).norm(), area / 2, (first + k) % 2, cell, tangents);
   }
 }
 
@@ -54,14 +57,22 @@ std::vector<Tangent> tangents_of(const Cloth& cloth) {
     if (cell.size() == 2) {
       const auto& v = cell.vertices;
       const double length = (mesh.rest_positions[v[1]] - mesh.rest_positions[v[0]]).norm();
-      append_side(v[0], v[1], length, length, 0, tangents);
+      append_side(v[0], v[1], length, length, 0, c, tangents);
     } else {
-      const Corners2 m = material_coordinates(mesh, c);
-      cell.size() == 3 ? append_triangle(cell, m, tangents)
-                       : append_quad(cell, m, mesh.rest_positions, tangents);
+      cell.size() == 3 ? append_triangle(mesh, c, tangents) : append_quad(mesh, c, tangents);
     }
   }
   return tangents;
+}
+
+double largest_strain(const Cloth& cloth, std::span<const Tangent> tangents,
+                      std::span<const Vec3> positions) {
+  double largest = 0;
+  for (const Tangent& t : tangents) {
+    const double strain = std::abs(tangent(t.stencil, positions).norm() - 1.0);
+    largest = std::max(largest, std::isfinite(strain) ? strain : HUGE_VAL);
+  }
+  return max_over(cloth.mesh.comm, largest);
 }
 
 double largest_stretch_change(const Cloth& cloth, std::span<const Tangent> tangents,

@@ -58,12 +58,16 @@ struct Tangent {
   TangentStencil stencil;
   double measure; ///< m^2, m on a line
   int direction;  ///< 0 warp, 1 weft
+  std::size_t cell;
 };
 std::vector<Tangent> tangents_of(const Cloth& cloth);
 
 inline Vec3 tangent(const TangentStencil& s, std::span<const Vec3> x) {
   return s.c[0] * x[s.vertices[0]] + s.c[1] * x[s.vertices[1]] + s.c[2] * x[s.vertices[2]];
 }
+
+/// Largest ||w| - 1|: the strain of faces, where the limit is for something else. Collective.
+double largest_strain(const Cloth& cloth, std::span<const Tangent> tangents, std::span<const Vec3> positions);
 
 /// Largest change of any |w| from one state to another: how drastically stretch changes in a step [BW98
 /// section 6]. Collective.

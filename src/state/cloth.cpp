@@ -42,19 +42,6 @@ Cloth make_cloth(DistributedMesh distributed, const config::Material& material) 
   return cloth;
 }
 
-Strain measure_strain(const Cloth& cloth, std::span<const Vec3> positions) {
-  const IndexMap& edges = cloth.mesh.edges;
-  double max = 0, sum = 0;
-  for (Local e = 0; e < edges.owned; ++e) {
-    const double strain = strain_of(cloth, positions, e);
-    max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
-    sum += strain * strain;
-  }
-  max = max_over(cloth.mesh.comm, max);
-  sum = sum_over(cloth.mesh.comm, sum);
-  return {max, edges.total > 0 ? std::sqrt(sum / double(edges.total)) : 0.0};
-}
-
 double lowest(const Cloth& cloth, std::span<const Vec3> positions, const Vec3& down) {
   double depth = -std::numeric_limits<double>::infinity();
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) depth = std::max(depth, positions[i].dot(down));

@@ -22,6 +22,7 @@ struct State {
   std::vector<Vec3> velocities;      ///< m/s
   std::vector<Vec3> contact_force;   ///< N, of local vertices: what of it lasted through the last step
   std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
+  std::vector<Vec2> stress{};        ///< N/m, of local vertices: along warp and weft, see MetricRows
   std::vector<double> pulled{};      ///< N, of local edges: by the projections with contact of the last step
   ContactMemory contacts{};          ///< of the last step, at their homes
   std::vector<Vec3> reaction{};      ///< N, of owned vertices: with what their pin acts on them
@@ -40,6 +41,7 @@ void visit_fields(S& state, V& visit) {
   visit.on_vertices("velocities", state.velocities);
   visit.on_vertices("contact_force", state.contact_force);
   visit.on_edges("force_density", state.force_density);
+  visit.on_vertices("stress", state.stress);
   visit.on_edges("pulled", state.pulled);
   visit.on_contacts("contacts", state.contacts);
   if (state.previous_dt > 0) {
@@ -53,6 +55,7 @@ struct Candidate {
   std::vector<Vec3> velocities; ///< those that lead from the start of the step to its end
   std::vector<Vec3> contact_force;
   std::vector<double> force_density;
+  std::vector<Vec2> stress{};   ///< zero unless a filter says otherwise
   std::vector<double> pulled{}; ///< zero, and no contacts, unless a filter says otherwise
   ContactMemory contacts{};
   std::vector<Vec3> reaction{};       ///< N, of owned vertices: with what their pin acts on them
@@ -69,12 +72,9 @@ inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Loc
 }
 
 struct Strain {
-  double max = 0; ///< largest |strain| over all constrained edges
+  double max = 0; ///< largest |strain| of all that the limit holds for, see StrainGauge
   double rms = 0;
 };
-
-/// Measured on the edges themselves, over all ranks. Collective.
-Strain measure_strain(const Cloth& cloth, std::span<const Vec3> positions);
 
 /// How far the lowest vertex, in the direction `down`, is below the origin, in m. Collective.
 double lowest(const Cloth& cloth, std::span<const Vec3> positions, const Vec3& down);

@@ -57,6 +57,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
+  state.stress.assign(mesh.vertices.size(), Vec2::Zero());
   state.pulled.assign(mesh.edges.size(), 0.0);
   state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
   return state;

@@ -54,6 +54,22 @@ std::vector<std::array<Local, 4>> sides_of_owned_cells(const DistributedMesh& me
   return sides;
 }
 
+/// The strains of tangents |w| - 1, the means over those of a cell along warp and along weft; of owned cells.
+WarpWeft strains_of_cells(const DistributedMesh& mesh, std::span<const Tangent> tangents,
+                          std::span<const Vec3> positions) {
+  std::vector<std::array<double, 2>> sum(mesh.cells.size()), count(mesh.cells.size());
+  for (const Tangent& t : tangents) {
+    sum[t.cell][t.direction] += tangent(t.stencil, positions).norm() - 1.0;
+    ++count[t.cell][t.direction];
+  }
+  WarpWeft result;
+  for (const Local c : mesh.owned_cells) {
+    result.warp.push_back(sum[c][0] / std::max(1.0, count[c][0]));
+    result.weft.push_back(sum[c][1] / std::max(1.0, count[c][1]));
+  }
+  return result;
+}
+
 /// The cells of this rank's slab as XDMF's or HDF5's lists of vertices.
 struct CellLists {
   std::vector<Global> vertices, offsets{0};
@@ -99,7 +115,7 @@ std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/fram
 FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, std::vector<config::Field> fields,
                          std::filesystem::path folder, std::vector<XdmfFrame> earlier)
     : cloth_(cloth), fields_(std::move(fields)), folder_(std::move(folder)),
-      sides_(sides_of_owned_cells(cloth.mesh)), obstacles_(cloth, obstacles) {
+      sides_(sides_of_owned_cells(cloth.mesh)), tangents_(tangents_of(cloth)), obstacles_(cloth, obstacles) {
   cells_.frames = edges_.frames = std::move(earlier);
 }
 
@@ -197,8 +213,8 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     strains.push_back(strain_of(cloth_, state.positions, e));
     tensions.push_back(state.force_density[e] * cloth_.rest_length[e] * (1.0 + strains.back()));
   }
-  const auto write_edge_field = [&](H5Writer& file, const char* name, const std::vector<double>& values) {
-    const WarpWeft on_cells = mean_over_sides(sides_, values);
+  const auto write_field = [&](H5Writer& file, const char* name, const std::vector<double>& values,
+                               const WarpWeft& on_cells) {
     file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
     file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1,
                        faces);
@@ -211,8 +227,9 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     if (wants(velocity))
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
-    if (wants(strain)) write_edge_field(file, "strain", strains);
-    if (wants(tension)) write_edge_field(file, "tension", tensions);
+    if (wants(strain))
+      write_field(file, "strain", strains, strains_of_cells(mesh, tangents_, state.positions));
+    if (wants(tension)) write_field(file, "tension", tensions, mean_over_sides(sides_, tensions));
     if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);
   });
   for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, file_of(frame)});

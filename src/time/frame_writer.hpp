@@ -1,4 +1,5 @@
 #pragma once
+#include "src/forces/stretch.hpp"
 #include "src/time/observer.hpp"
 #include "src/time/obstacle_frames.hpp"
 
@@ -36,7 +37,8 @@ private:
   std::vector<config::Field> fields_;
   std::filesystem::path folder_;
   std::vector<std::array<Local, 4>>
-      sides_; ///< of owned cells: the constrained edge on each side, -1 for none
+      sides_;                     ///< of owned cells: the constrained edge on each side, -1 for none
+  std::vector<Tangent> tangents_; ///< of local cells
   ObstacleFrames obstacles_;
   XdmfDescription cells_, edges_;
   double seconds_ = 0;

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace taut {
 
@@ -89,6 +90,29 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
   forces.push_back(std::make_unique<DiagonalSprings>(cloth, pattern, material.shear, damping));
 }
 
+/// Where only averages around vertices are kept, single triangles may stretch against each other, on
+/// irregular meshes until no step is found. What hinders them is a stiffness at which the weight of the
+/// cloth, spread over its width, would strain it by a tenth of the limit.
+double stretch_stiffness(const Cloth& cloth, const Case& input) {
+  if (cloth.material.stretch) return *cloth.material.stretch;
+  if (config::constrain_of(input, cloth.mesh.triangles_only) == config::Constrain::edges) return 0;
+  std::array<double, 2> sums{}; // kg, m^2
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
+    sums[0] += cloth.mass[i];
+    sums[1] += cloth.measure[i];
+  }
+  sum_in_place(cloth.mesh.comm, sums);
+  return sums[0] * input.gravity.norm() / (std::sqrt(sums[1]) * 0.1 * input.inextensibility.strain);
+}
+
+void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
+  const Material& material = cloth.material;
+  const double warp = stretch_stiffness(cloth, input), weft = material.stretch_weft.value_or(warp);
+  if (warp > 0 || weft > 0)
+    forces.push_back(std::make_unique<Stretch>(
+        cloth, pattern, StretchMaterial{{warp, weft}, material.stretch_target, material.damping.stiffness}));
+}
+
 } // namespace
 
 Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input) {
@@ -97,11 +121,7 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
   forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
   add_bending(cloth, pattern, input, forces);
   add_shear(cloth, pattern, input, forces);
-  const double weft = material.stretch_weft.value_or(material.stretch);
-  if (material.stretch > 0 || weft > 0)
-    forces.push_back(std::make_unique<Stretch>(
-        cloth, pattern,
-        StretchMaterial{{material.stretch, weft}, material.stretch_target, material.damping.stiffness}));
+  add_stretch(cloth, pattern, input, forces);
   if (input.inextensibility.method == config::InextensibilityMethod::springs)
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,

@@ -37,6 +37,8 @@ struct StepRecord {
   int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
   Global contacts = 0;         ///< features in reach of each other
   Strain strain;
+  double face_strain =
+      0;            ///< largest of any triangle along warp or weft, where the limit is for averages of it
   double depth = 0; ///< m the lowest point has come down since the start
   Energies energies;
   std::vector<Vec3> pin_forces; ///< N, of each pin on all its vertices together

@@ -18,16 +18,34 @@ namespace taut {
 namespace {
 
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Pattern& pattern,
-                                                          const Case& input) {
+                                                          const Case& input,
+                                                          const config::Inextensibility& limits,
+                                                          double weight) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
-  double mass = 0;
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  const double weight = sum_over(cloth.mesh.comm, mass) * input.gravity.norm();
   if (input.has_contact())
     filters.push_back(std::make_unique<ContactProjection>(cloth, input, weight));
-  else if (auto filter = make_filter(cloth, pattern, input.inextensibility, weight))
+  else if (auto filter = make_filter(cloth, pattern, limits, weight))
     filters.push_back(std::move(filter));
   return filters;
+}
+
+/// With what the case leaves to the mesh.
+config::Inextensibility inextensibility_of(const Case& input, const Cloth& cloth) {
+  config::Inextensibility result = input.inextensibility;
+  result.constrain = config::constrain_of(input, cloth.mesh.triangles_only);
+  if (result.constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
+    throw InputError(
+        input.file.string() +
+        ": inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines "
+        "keep warp and weft by their edges: choose edges");
+  return result;
+}
+
+/// In N. Collective.
+double weight_of(const Cloth& cloth, const Vec3& gravity) {
+  double mass = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
+  return sum_over(cloth.mesh.comm, mass) * gravity.norm();
 }
 
 /// Seconds since the last call.
@@ -53,17 +71,19 @@ double cpu_seconds() {
 } // namespace
 
 Simulation::Simulation(MPI_Comm comm, const Case& input)
-    : comm_(comm), inextensibility_(input.inextensibility),
-      down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), state_(start_state(cloth_, input)),
-      pins_(cloth_, input, state_.positions), pattern_(cloth_.mesh),
-      forces_(make_forces(cloth_, pattern_, input)), filters_(make_filters(cloth_, pattern_, input)),
+    : comm_(comm), down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
+      cloth_(load_cloth(comm, input)), inextensibility_(inextensibility_of(input, cloth_)),
+      weight_(weight_of(cloth_, input.gravity)), state_(start_state(cloth_, input)),
+      gauge_(cloth_, *inextensibility_.constrain), pins_(cloth_, input, state_.positions),
+      pattern_(cloth_.mesh), forces_(make_forces(cloth_, pattern_, input)),
+      filters_(make_filters(cloth_, pattern_, input, inextensibility_, weight_)),
       integrator_(input.time.integrator),
       predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
-      end_positions_(state_.positions.size()), freedom_(state_.positions.size()),
-      start_depth_(lowest(cloth_, state_.positions, down_)) {
+      max_stretch_change_(input.time.max_stretch_change), end_positions_(state_.positions.size()),
+      freedom_(state_.positions.size()), start_depth_(lowest(cloth_, state_.positions, down_)) {
   if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
     xpbd_.emplace(cloth_, pattern_, forces_, pins_, input.inextensibility);
+  if (max_stretch_change_ || limits_averages()) tangents_ = tangents_of(cloth_);
 }
 
 void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
@@ -115,6 +135,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   StepRecord& record = attempt.record;
   record.dt = dt;
   candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
+  candidate_.stress.assign(state_.stress.size(), Vec2::Zero());
   candidate_.pulled.assign(state_.pulled.size(), 0.0);
   candidate_.contacts.clear();
   candidate_.end_velocities.clear();
@@ -133,10 +154,11 @@ Simulation::Attempt Simulation::attempt(double dt) {
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
     end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
   if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
-  record.strain = measure_strain(cloth_, end_positions_);
+  record.strain = gauge_.measure(end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
   record.seconds.cpu = cpu_seconds() - cpu;
   if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
+  if (attempt.failure.empty()) attempt.failure = fault_of_stretch();
   return attempt;
 }
 
@@ -185,6 +207,15 @@ std::string Simulation::fault_of(const Strain& strain) const {
                      inextensibility_.strain);
 }
 
+/// The same for how drastically stretch changes in it [BW98 section 6].
+std::string Simulation::fault_of_stretch() const {
+  if (!max_stretch_change_) return "";
+  const double change = largest_stretch_change(cloth_, tangents_, state_.positions, end_positions_);
+  if (change <= *max_stretch_change_) return "";
+  return fmt::format("the stretch of warp or weft changes by {:.3g}, over time.max_stretch_change, {:g}",
+                     change, *max_stretch_change_);
+}
+
 void Simulation::accept(double time, double dt) {
   integrator_.remember(state_, dt);
   std::swap(state_.positions, end_positions_);
@@ -192,6 +223,7 @@ void Simulation::accept(double time, double dt) {
             candidate_.end_velocities.empty() ? candidate_.velocities : candidate_.end_velocities);
   std::swap(state_.contact_force, candidate_.contact_force);
   std::swap(state_.force_density, candidate_.force_density);
+  std::swap(state_.stress, candidate_.stress);
   std::swap(state_.pulled, candidate_.pulled);
   std::swap(state_.contacts, candidate_.contacts);
   std::swap(state_.reaction, candidate_.reaction);
@@ -212,6 +244,7 @@ void Simulation::measure(StepRecord& record) const {
   record.energies = {sums[0], {potentials, forces}};
   record.seconds.cpu = sums[1];
   for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);
+  if (limits_averages()) record.face_strain = largest_strain(cloth_, tangents_, state_.positions);
   record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
 }
 

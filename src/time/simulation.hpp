@@ -1,5 +1,7 @@
 #pragma once
 #include "src/filters/velocity_filter.hpp"
+#include "src/forces/stretch.hpp"
+#include "src/state/strain_gauge.hpp"
 #include "src/time/implicit_euler.hpp"
 #include "src/time/integrator.hpp"
 #include "src/time/observer.hpp"
@@ -38,6 +40,10 @@ public:
 
   const Cloth& cloth() const { return cloth_; }
   const State& state() const { return state_; }
+  /// With all that the case leaves to the mesh.
+  const config::Inextensibility& inextensibility() const { return inextensibility_; }
+  double weight() const { return weight_; } ///< of the cloth, N
+  const StrainGauge& gauge() const { return gauge_; }
   const Pins& pins() const { return pins_; }
   const Forces& forces() const { return forces_; }
   const StepSize& step_size() const { return step_size_; }
@@ -55,14 +61,18 @@ private:
   void add_pull_of_filters();
   double carried(double force_density) const;
   std::string fault_of(const Strain& strain) const;
+  std::string fault_of_stretch() const;
+  bool limits_averages() const { return inextensibility_.constrain == config::Constrain::vertices; }
   void accept(double time, double dt);
   void measure(StepRecord& record) const;
 
   MPI_Comm comm_;
-  config::Inextensibility inextensibility_;
   Vec3 down_;
   Cloth cloth_;
+  config::Inextensibility inextensibility_;
+  double weight_; ///< of the cloth, N
   State state_;
+  StrainGauge gauge_;
   Pins pins_;
   Pattern pattern_;
   Forces forces_;
@@ -71,6 +81,8 @@ private:
   ImplicitEuler predictor_;
   std::optional<Xpbd> xpbd_; ///< takes the place of prediction and filters
   StepSize step_size_;
+  std::optional<double> max_stretch_change_;
+  std::vector<Tangent> tangents_; ///< whose stretch is watched
   Global rejected_steps_ = 0;
   Candidate candidate_;
   std::vector<Vec3> end_positions_;

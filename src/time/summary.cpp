@@ -1,8 +1,7 @@
 #include "src/time/summary.hpp"
 
 #include "src/config/methods.hpp"
-
-#include "src/config/methods.hpp"
+#include "src/filters/edge_constraints.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -83,13 +82,13 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   t.iterations_max = std::max(t.iterations_max, r.iterations);
   t.contacts_max = std::max(t.contacts_max, r.contacts);
   t.strain_max = std::max(t.strain_max, r.strain.max);
+  t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
   t.phases += r.seconds;
-  const Cloth& cloth = simulation_.cloth();
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
-    const double bin = std::ceil(std::abs(strain_of(cloth, state.positions, e)) / t.strain_limit * bins);
+  simulation_.gauge().for_each(state.positions, [&](double strain) {
+    const double bin = std::ceil(std::abs(strain) / t.strain_limit * bins);
     ++t.histogram[bin < bins ? int(bin) : bins];
-  }
+  });
 }
 
 Totals Summary::totals(double output_seconds) const {
@@ -104,6 +103,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
   using Json = nlohmann::ordered_json;
   const DistributedMesh& mesh = simulation_.cloth().mesh;
   const Totals all = totals(output_seconds);
+  const config::Inextensibility& limits = simulation_.inextensibility();
   const auto a_step = [&](double total) { return all.steps > 0 ? total / double(all.steps) : 0.0; };
   const double memory = peak_memory(), memory_max = max_over(mesh.comm, memory),
                memory_sum = sum_over(mesh.comm, memory);
@@ -121,12 +121,16 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"rejected_steps", simulation_.rejected_steps()},
       {"end_time", simulation_.state().time},
       {"strain",
-       {{"limit", config::holds_limit(input_.inextensibility) ? Json(input_.inextensibility.strain) : Json()},
+       {{"limit", config::holds_limit(limits) ? Json(limits.strain) : Json()},
         {"max", all.strain_max},
         {"rms", std::sqrt(a_step(all.strain_squares))},
+        {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},
+        {"faces_max", limits.constrain == config::Constrain::vertices ? Json(all.face_strain_max) : Json()},
         {"p999", quantile(mesh.comm, all, 0.999)}}},
       {"projection",
-       {{"method", method_name(input_.inextensibility.method)},
+       {{"method", method_name(limits.method)},
+        {"compliance",
+         config::is_projection(limits.method) ? Json(compliance_of(limits, simulation_.weight())) : Json()},
         {"iterations_mean", a_step(double(all.iterations))},
         {"iterations_max", all.iterations_max},
         {"ksp_iterations_mean",

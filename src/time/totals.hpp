@@ -11,6 +11,7 @@ struct Totals {
   Global contacts_max = 0;
   Global intersections = 0; ///< found by IntersectionCheck
   double strain_max = 0;
+  double face_strain_max = 0;
   double strain_squares = 0; ///< of the rms strain of each step
   double strain_limit = 0;   ///< that of the bins of `histogram`
   /// Of |strain| over all edges and accepted steps: bin b counts those up to b / (bins - 1) of the limit, the
@@ -31,6 +32,7 @@ void visit_totals(T& totals, V& visit) {
   visit("contacts_max", totals.contacts_max);
   visit("intersections", totals.intersections);
   visit("strain_max", totals.strain_max);
+  visit("face_strain_max", totals.face_strain_max);
   visit("strain_squares", totals.strain_squares);
   visit("strain_limit", totals.strain_limit);
   visit.added_up("strain_histogram", totals.histogram);

@@ -1,0 +1,39 @@
+#pragma once
+#include "partition/distributed_mesh.hpp"
+#include "src/linear/solver_options.hpp"
+#include "src/state/freedom.hpp"
+
+#include <memory>
+
+namespace taut {
+
+/// The system of one projection onto two constraints a vertex, (S + diag a) mu = b with S = J W J^T: rows of
+/// warp and weft at each vertex, which depend on the vertex and its neighbours. Every rank adds what the
+/// motion of its own vertices brings about, J_p W_p J_p^T, to rows of its own and of others.
+///
+/// PETSc prefix `-projection_`. `cg` uses PETSc's `gamg`, `mumps` factorises.
+class MetricSystem {
+public:
+  /// The rows (local vertices) that owned vertex p has a part in are rows[begin[p] .. begin[p + 1]). `mesh`
+  /// must outlive the system. Collective.
+  MetricSystem(const DistributedMesh& mesh, std::span<const std::size_t> begin, std::span<const Local> rows,
+               const SolverOptions& options);
+  ~MetricSystem();
+
+  /// W = S_i / m_i. `columns`: for each of `rows`, the derivatives by x_p of its two constraints;
+  /// `inverse_mass` as in ProjectionSystem; `shift` is a, of owned vertices. Collective.
+  void assemble(std::span<const std::array<Vec3, 2>> columns, std::span<const double> inverse_mass,
+                const Freedom& freedom, std::span<const Vec2> shift);
+
+  /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance given. Collective.
+  SolveReport solve(std::span<const Vec2> rhs, double tolerance, std::vector<Vec2>& mu);
+
+private:
+  struct Petsc;
+  const DistributedMesh& mesh_;
+  std::vector<std::size_t> begin_;
+  std::vector<double> values_; ///< in the order of the coordinates given to PETSc
+  std::unique_ptr<Petsc> petsc_;
+};
+
+} // namespace taut

@@ -1,0 +1,40 @@
+#pragma once
+#include "src/state/averaged_metric.hpp"
+
+#include <cmath>
+#include <optional>
+
+namespace taut {
+
+/// What the strain limit holds for: the strain |d|/l - 1 of every constrained edge, or sqrt(g) - 1 of the
+/// metric g along warp and along weft averaged at every vertex.
+class StrainGauge {
+public:
+  /// `cloth` must outlive the gauge; metrics are of meshes of triangles alone. Not collective.
+  StrainGauge(const Cloth& cloth, config::Constrain constrain);
+
+  /// Calls `visit(strain)` for all strains that this rank owns.
+  template<class Visit>
+  void for_each(std::span<const Vec3> positions, Visit&& visit) const {
+    if (!metric_) {
+      for (Local e = 0; e < cloth_.mesh.edges.owned; ++e) visit(strain_of(cloth_, positions, e));
+      return;
+    }
+    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+      for (const double g : metric_->at(i, positions)) visit(std::sqrt(g) - 1.0);
+  }
+
+  /// Over all ranks. Collective.
+  Strain measure(std::span<const Vec3> positions) const;
+
+private:
+  const Cloth& cloth_;
+  std::optional<AveragedMetric> metric_;
+};
+
+/// That of edges. Collective.
+inline Strain measure_strain(const Cloth& cloth, std::span<const Vec3> positions) {
+  return StrainGauge(cloth, config::Constrain::edges).measure(positions);
+}
+
+} // namespace taut
