@@ -1,6 +1,8 @@
 #include "io/hdf5_error.hpp"
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 
 namespace taut {
 namespace {
@@ -19,6 +21,18 @@ void check_class(hid_t in_file, hid_t wanted) {
   if (found == H5T_INTEGER || found == H5Tget_class(wanted)) return;
   throw h5::Failure(H5Tget_class(wanted) == H5T_INTEGER ? "it does not hold integers"
                                                         : "it does not hold numbers");
+}
+
+/// Refuses a dataset that claims more numbers than the file can hold, before memory is asked for them:
+/// filters pack a thousand to one at best.
+void check_storage(hid_t dataset, std::span<const hsize_t> shape) {
+  const H5Handle type = h5::own(H5Dget_type(dataset), H5Tclose);
+  double bytes = double(H5Tget_size(type.get())); // may be beyond any integer
+  for (const hsize_t n : shape) bytes *= double(n);
+  const double stored = double(H5Dget_storage_size(dataset));
+  constexpr double small = 1 << 24, densest = 2000;
+  if (bytes > small && bytes > densest * stored)
+    throw h5::Failure(fmt::format("it claims {:.3g} bytes, of which the file holds {:.3g}", bytes, stored));
 }
 
 /// Whether every link on the way to `name` exists; H5Lexists looks at the last one only.
@@ -77,6 +91,7 @@ std::vector<hsize_t> H5Reader::shape(const std::string& name) const {
     if (dimensions != 1 && dimensions != 2) throw h5::Failure("it has neither one dimension nor two");
     shape.resize(dimensions);
     h5::require(H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr));
+    check_storage(dataset.get(), shape);
   });
   return shape;
 }
@@ -85,7 +100,8 @@ Global H5Reader::rows(const std::string& name) const { return static_cast<Global
 
 int H5Reader::columns(const std::string& name) const {
   const std::vector<hsize_t> dims = shape(name);
-  return dims.size() == 1 ? 1 : static_cast<int>(dims[1]);
+  constexpr hsize_t most = std::numeric_limits<int>::max();
+  return dims.size() == 1 ? 1 : static_cast<int>(std::min(dims[1], most));
 }
 
 template<class T>

@@ -32,6 +32,9 @@ Complaint check_offsets(std::span<const Global> offsets, Slab cells, Global corn
   if (cells.first == 0 && offsets.front() != 0) return "it does not begin with 0";
   if (cells.first + cells.count == cells.total && offsets.back() != corners)
     return fmt::format("it ends with {}, but {} has {} numbers", offsets.back(), faces_name, corners);
+  for (const Global offset : offsets)
+    if (offset < 0 || offset > corners)
+      return fmt::format("it holds {}, but {} has {} numbers", offset, faces_name, corners);
   for (Global c = 0; c < cells.count; ++c)
     if (const Global size = offsets[c + 1] - offsets[c]; size < 2 || size > 4)
       return fmt::format("cell {} has {} vertices instead of 2, 3 or 4", cells.first + c, size);

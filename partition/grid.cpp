@@ -28,8 +28,10 @@ MeshSlab make_grid(MPI_Comm comm, Vec2 size, std::array<int, 2> vertices, GridCe
   const Global nx = vertices[0], ny = vertices[1], halves = cells == GridCells::quads ? 1 : 2;
   MeshSlab mesh = slabs(comm, "grid", nx * ny, halves * (nx - 1) * (ny - 1));
   const double dx = size[0] / double(nx - 1), dy = size[1] / double(ny - 1);
-  for (Global v = mesh.vertices.first; v < mesh.vertices.first + mesh.vertices.count; ++v)
-    mesh.rest_positions.emplace_back(double(v % nx) * dx, double(v / nx) * dy, 0.0);
+  for (Global v = mesh.vertices.first; v < mesh.vertices.first + mesh.vertices.count; ++v) {
+    const Global row = v / nx, column = v % nx;
+    mesh.rest_positions.emplace_back(double(column) * dx, double(row) * dy, 0.0);
+  }
   for (Global c = mesh.cells.first; c < mesh.cells.first + mesh.cells.count; ++c) {
     const Global row = c / halves / (nx - 1), column = c / halves % (nx - 1), corner = row * nx + column;
     const std::array<Global, 4> corners{corner, corner + 1, corner + nx + 1, corner + nx};

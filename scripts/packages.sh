@@ -3,7 +3,9 @@
 build_packages=(g++ cmake ninja-build pkg-config libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev
   libhdf5-openmpi-dev libeigen3-dev libembree-dev libcgal-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev)
 test_packages=(python3 python3-yaml python3-h5py python3-numpy python3-matplotlib)
-picture_packages=(python3-paraview paraview xvfb xauth)
+check_packages=(clang clang-format clang-tidy git python3)
+sanitize_packages=(clang libclang-rt-dev llvm valgrind)
+picture_packages=(python3-paraview paraview xvfb ffmpeg)
 
 # install_missing PACKAGE...: asks apt only for what is not there, so a second call takes no time.
 install_missing() {

@@ -216,7 +216,7 @@ TEST(Cylinder, HasTheSameEnergyForEveryModelAndMesh) {
       EXPECT_NEAR(rigidity(equilateral, std::sqrt(0.75), model, axis) / b, 1, 1e-4);
     for (const auto& [cells, askew] : {std::pair{GridCells::quads, 0.5}, std::pair{GridCells::triangles, 3.0},
                                        std::pair{GridCells::alternating_triangles, 1.5}}) {
-      const auto mesh = [cells](MPI_Comm comm, int n) { return square_grid(comm, n, cells); };
+      const auto mesh = [cells = cells](MPI_Comm comm, int n) { return square_grid(comm, n, cells); };
       EXPECT_NEAR(rigidity(mesh, 1, model, 0) / b, 1, 1e-4);
       EXPECT_NEAR(rigidity(mesh, 1, model, M_PI / 2) / b, 1, 1e-4);
       EXPECT_NEAR(rigidity(mesh, 1, model, diagonal) / b, askew, 1e-4);

@@ -3,6 +3,7 @@
 #include "src/config/fabrics.hpp"
 #include "src/config/units.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -345,7 +346,21 @@ TEST(ConfigError, NotYaml) {
             at("1:5", "not YAML: illegal map value; check indentation, colons, brackets and quotes here"));
   EXPECT_EQ(error("? [a]\n: 1\n"), at("1:3", "a key must be a word"));
   EXPECT_EQ(error("a: &x [*x]\n"), at("1:4", "nested too deep; a case has few levels"));
-  EXPECT_EQ(error(grid + "---\n" + grid), at("3:1", "a second document starts here; a case is only one"));
+  EXPECT_EQ(error(grid + "---\n" + grid),
+            at("3:1", "a second document starts here; a case is only one, so check --- and brackets"));
+}
+
+// yaml-cpp by itself finds documents without end behind the first.
+TEST(ConfigError, ContentBehindTheDocument) {
+  EXPECT_EQ(error("# a comma that is nowhere\n  , y: 1\n"),
+            at("2:3", "a second document starts here; a case is only one, so check --- and brackets"));
+}
+
+TEST(ConfigError, AliasesThatMultiply) {
+  std::string text = "a: &a [1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (char c = 'b'; c < 'i'; ++c)
+    text += fmt::format("{0}: &{0} [*{1}, *{1}, *{1}, *{1}, *{1}, *{1}, *{1}, *{1}]\n", c, char(c - 1));
+  EXPECT_THAT(error(text), testing::HasSubstr("aliases (*) stand for too many values; write them out"));
 }
 
 TEST(ConfigError, EmptyOrNotAMap) {

@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array results{"mesh.h5", "frames.xdmf", "edges.xdmf", "obstacles.xdmf", "steps.csv", "summary.json"};
+constexpr std::array results{"mesh.h5",        "frames.xdmf", "edges.xdmf",
+                             "obstacles.xdmf", "steps.csv",   "summary.json"};
 
 bool holds_run(const fs::path& out) {
   return std::any_of(results.begin(), results.end(),

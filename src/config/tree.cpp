@@ -1,5 +1,6 @@
 #include "src/config/tree.hpp"
 #include "partition/error.hpp"
+#include "src/config/one_document.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -22,14 +23,20 @@ Place place_in_file(const std::string& name) {
 /// Deeper than any case; an alias that holds itself has no end.
 constexpr int deepest = 50;
 
+/// Values that aliases may add; aliases of aliases multiply without limit.
+constexpr std::size_t most_copies = 100000;
+
 class Converter {
 public:
-  Converter(Place place, Origin origin) : place_(std::move(place)), origin_(origin) {}
+  Converter(Place place, Origin origin, std::size_t most)
+      : place_(std::move(place)), origin_(origin), most_(most) {}
 
-  Tree convert(const YAML::Node& node, int depth = 0) const {
+  Tree convert(const YAML::Node& node, int depth = 0) {
     Tree tree;
     tree.place = place_(node.Mark());
     if (depth > deepest) throw InputError(tree.place + ": nested too deep; a case has few levels");
+    if (++count_ > most_)
+      throw InputError(tree.place + ": aliases (*) stand for too many values; write them out");
     if (node.IsScalar()) {
       tree.kind = Tree::Kind::scalar;
       tree.text = node.Scalar();
@@ -56,14 +63,15 @@ private:
 
   Place place_;
   Origin origin_;
+  std::size_t most_, count_ = 0; ///< of values, each copy counted
 };
 
 Tree parse(const std::string& text, const Place& place, Origin origin) {
   try {
-    const auto documents = YAML::LoadAll(text);
-    if (documents.size() > 1)
-      throw InputError(place(documents[1].Mark()) + ": a second document starts here; a case is only one");
-    return Converter(place, origin).convert(documents.empty() ? YAML::Node() : documents[0]);
+    if (const auto second = second_document(text))
+      throw InputError(place(*second) +
+                       ": a second document starts here; a case is only one, so check --- and brackets");
+    return Converter(place, origin, text.size() + most_copies).convert(YAML::Load(text));
   } catch (const YAML::Exception& e) {
     throw InputError(fmt::format("{}: not YAML: {}; check indentation, colons, brackets and quotes here",
                                  place(e.mark), e.msg));

@@ -18,14 +18,14 @@ struct Checkpoint {
 };
 
 /// Appears whole or not at all. Throws InputError if it cannot be written. Collective.
-void write_checkpoint(const std::filesystem::path& file, const DistributedMesh& mesh,
+void write_checkpoint(const std::filesystem::path& path, const DistributedMesh& mesh,
                       const Checkpoint& checkpoint);
 
 /// Throws InputError if the file is no checkpoint, not whole, or of another mesh. Collective.
-Checkpoint read_checkpoint(const std::filesystem::path& file, const DistributedMesh& mesh);
+Checkpoint read_checkpoint(const std::filesystem::path& path, const DistributedMesh& mesh);
 
 /// The case in it alone. Throws like `read_checkpoint`. Collective.
-std::string read_case_of_checkpoint(MPI_Comm comm, const std::filesystem::path& file);
+std::string read_case_of_checkpoint(MPI_Comm comm, const std::filesystem::path& path);
 
 /// The file for a checkpoint after `step`.
 std::filesystem::path checkpoint_file(const std::filesystem::path& run_folder, Global step);

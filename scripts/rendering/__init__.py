@@ -1,0 +1,1 @@
+"""What scripts/render draws, in ParaView."""

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""scripts/render on small runs: what is in its pictures, its film and its state: test_render.py LAUNCHER... RANKS PROGRAM"""
+import os
+import subprocess
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+
+import running
+
+ROOT = Path(__file__).resolve().parent.parent
+SIZE = (400, 300)
+RANK_0, RANK_1 = (0x44, 0x77, 0xaa), (0xee, 0x66, 0x77)
+
+
+def render(*arguments):
+    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}  # as on a machine without a screen
+    done = subprocess.run([ROOT / "scripts/render", *map(str, arguments), "--size", "{}x{}".format(*SIZE)],
+                          env=environment, capture_output=True, text=True, timeout=150)
+    return done.returncode, done.stdout, done.stderr
+
+
+def image_of(path):
+    return matplotlib.image.imread(path)[:, :, :3]
+
+
+def drawn(image):
+    """What is not background, without the corner in which the time stands."""
+    mask = np.abs(image - 1.0).max(axis=2) > 0.05
+    mask[-SIZE[1] // 10:, :SIZE[0] // 3] = False
+    return mask
+
+
+def hue_near(image, colour):
+    """Pixels of a colour, whatever light falls on them."""
+    wanted = np.array(colour) / np.linalg.norm(colour)
+    length = np.linalg.norm(image, axis=2, keepdims=True)
+    return int(((image / np.maximum(length, 1e-6)) @ wanted > 0.995).sum())
+
+
+class Render(running.Folder):
+    def picture(self, run, *options):
+        path = self.folder / "picture.png"
+        code, out, err = render(run, "--output", path, *options)
+        self.assertEqual((code, out.strip()), (0, str(path)), err)
+        image = image_of(path)
+        self.assertEqual(image.shape, (SIZE[1], SIZE[0], 3))
+        return image
+
+    def test_the_cloth_is_in_the_picture(self):
+        run = self.run_case("result")
+        image = self.picture(run)
+        mask = drawn(image)
+        self.assertGreater(mask.mean(), 0.05)
+        rows, columns = np.nonzero(mask)
+        self.assertGreater(max(np.ptp(rows) / SIZE[1], np.ptp(columns) / SIZE[0]), 0.8)  # it fills the picture
+        self.assertEqual(mask[:5].sum() + mask[-5:].sum() + mask[:, :5].sum() + mask[:, -5:].sum(), 0)  # and is whole
+        earlier = drawn(self.picture(run, "--time", "0.1"))
+        self.assertGreater((earlier != mask).mean(), 0.02)
+
+    def test_fields_colour_it(self):
+        run = self.run_case("result", "--set", "time.end=0.2", ranks=2)
+        plain = self.picture(run)
+        ranks = self.picture(run, "--color", "rank")
+        self.assertGreater(hue_near(ranks, RANK_1), 100 + 10 * hue_near(plain, RANK_1))
+        self.assertGreater(hue_near(ranks, RANK_0), 100)
+        strain, tension = (self.picture(run, "--color", field) for field in ("strain", "tension"))
+        for coloured in (strain, tension):
+            both = drawn(plain) & drawn(coloured)
+            self.assertGreater((np.abs(plain - coloured).max(axis=2)[both] > 0.1).mean(), 0.05)
+        self.assertTrue((strain != tension).any())  # at least in the bar: tension is nearly proportional to strain here
+
+    def test_film_and_state(self):
+        run = self.run_case("result", "--set", "time.end=0.3")
+        code, _, err = render(run, "--film", self.folder / "film.mp4", "--state", "--color", "strain")
+        self.assertEqual(code, 0, err)
+        told = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-of", "csv=p=0", "-show_entries",
+                               "stream=nb_read_frames,r_frame_rate", self.folder / "film.mp4"],
+                              capture_output=True, text=True, check=True).stdout.strip()
+        self.assertEqual(told, f"20/1,{len(running.listed_frames(run))}")
+        self.assertFalse((run / "picture.png").exists())
+        state = (run / "run.pvsm").read_text()
+        self.assertIn('value="frames.xdmf"', state)
+        self.assertNotIn(str(self.folder), state)  # the folder may go elsewhere
+        moved = run.rename(self.folder / "moved")
+        self.assertGreater(drawn(self.opened(moved)).mean(), 0.05)
+
+    def opened(self, run):
+        """What ParaView shows when it opens the state in the folder of the run."""
+        script = self.folder / "open.py"
+        script.write_text("from paraview import simple\nsimple.LoadState('run.pvsm')\n"
+                          f"simple.SaveScreenshot('shown.png', simple.GetActiveView(), ImageResolution={list(SIZE)})\n")
+        done = subprocess.run([ROOT / "scripts/with-screen", "pvpython", script], cwd=run, timeout=120, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return image_of(run / "shown.png")
+
+    def test_says_what_is_wrong(self):
+        run = self.run_case("result", "--set", "time.end=0.1")
+        for arguments, code, message in (
+                ((self.folder,), 1, f"render: {self.folder}/frames.xdmf: no such file; give the output folder of a run"),
+                ((self.folder / "nowhere",), 1, f"render: {self.folder}/nowhere: no such folder; give the output folder of a run"),
+                ((run, "--color", "colour"), 1, "render: there is no field colour; known are "),
+                ((run, "--frame", "99"), 1, "render: there is no frame 99; the run has the frames 0 to 2"),
+                ((run, "--film", "film.xyz"), 2, "a film ends in .mp4, .webm, .gif")):
+            found, _, err = render(*arguments)
+            self.assertEqual(found, code, err)
+            self.assertIn(message, err)
+            self.assertNotIn("screen was lost", err)
+
+
+if __name__ == "__main__":
+    running.main(__doc__)
