@@ -30,9 +30,3 @@ def one(rows, **wanted):
 def values(rows, key):
     """The different values of a column, in their order."""
     return list(dict.fromkeys(row[key] for row in rows))
-
-
-def write_vertices(path, vertices):
-    """An OBJ file for `cloth.start.shape`."""
-    path.write_text("".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in vertices))
-    return str(path)

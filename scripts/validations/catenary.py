@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 
-from validations import cases
+from validations import cases, strips
 from validations.cases import G
 from validations.checks import Check, Validation
 
@@ -63,7 +63,7 @@ def inextensibility(method):
 def measure(laboratory, point):
     method = point["method"]
     case = {"cloth": {"line": {"length": LENGTH, "vertices": LINKS + 1},
-                      "start": {"shape": cases.write_vertices(laboratory.path("vee.obj"), vee())},
+                      "start": {"shape": strips.write(laboratory.path("vee.obj"), vee())},
                       "material": {"density": DENSITY, "bending": 0, "damping": {"mass": 10}}},
             "pins": [{"vertices": [0, LINKS]}],
             "inextensibility": {"method": method, **inextensibility(method)}, "time": cases.steps_of(4, 0.01)}

@@ -25,9 +25,12 @@ def from_tip(gamma, steepness, points=400):
 
 
 def hanging(gamma):
-    """(drop, reach) over the length: by bisection, the steepness of the tip for which the clamp is horizontal."""
-    low, high = math.log(1e-30), math.log(math.pi / 2)
-    for _ in range(60):
+    """(drop, reach) over the length: by bisection, the least steepness of the tip for which the clamp is horizontal."""
+    high = math.log(1e-30)
+    while from_tip(gamma, math.exp(high))[0] < math.pi / 2:
+        high += 0.5
+    low = high - 0.5
+    for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if from_tip(gamma, math.exp(middle))[0] < math.pi / 2 else (low, middle)
     return from_tip(gamma, math.exp(low))[1:]
