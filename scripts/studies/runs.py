@@ -1,4 +1,4 @@
-"""Runs of Taut on one rank, and what they are measured by."""
+"""Runs of Taut, and what they are measured by."""
 import csv
 import json
 import os
@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
+NAME = Path(sys.argv[0]).stem
 GRACE = 30  # s for a run that was told to stop
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
@@ -45,30 +46,39 @@ class Run:
         steps, time, projection = s["steps"], s["end_time"], s["projection"]
         iterations = projection["iterations_mean"] * steps
         inner = projection["ksp_iterations_mean"]
-        with open(self.folder / "steps.csv", newline="") as file:
-            depth = [float(row["depth_m"]) for row in csv.DictReader(file)][-1]
+        depth = self.steps()[-1]["depth_m"]
         return {"status": s["status"], "simulated_s": time, "steps": steps, "rejected": s["rejected_steps"],
                 "cpu_s_per_s": s["seconds"]["cpu"] / time, "iterations_per_step": iterations / steps,
                 "solver_work_per_s": iterations * (inner or 1.0) / time,
                 "velocity_work_per_s": s["velocity"]["ksp_iterations_mean"] * steps / time,
                 "strain_had": self.strain, "depth_m": depth}
 
-    def frames(self):
-        """[(time, positions)] of the frames."""
+    def frames(self, field="positions"):
+        """[(time, field)] of the frames."""
         result = []
         for path in sorted((self.folder / "frames").glob("frame_*.h5")):
             with h5py.File(path) as frame:
-                result.append((float(frame.attrs["time"]), frame["positions"][:]))
+                result.append((float(frame.attrs["time"]), frame[field][:]))
         return result
+
+    def last(self, field="positions"):
+        """A field of the last frame."""
+        with h5py.File(max((self.folder / "frames").glob("frame_*.h5"))) as frame:
+            return frame[field][:]
+
+    def steps(self):
+        """The rows of steps.csv, as numbers."""
+        with open(self.folder / "steps.csv", newline="") as file:
+            return [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
 
 
 class Laboratory:
-    """Where cases are run, in a temporary folder."""
+    """Where cases are run, in a temporary folder. A run is given `limit` s; `launcher` is what starts it on its ranks."""
 
-    def __init__(self, program, stem, limit):
-        self.program, self.stem, self.limit, self.runs = Path(program).resolve(), stem, limit, {}
+    def __init__(self, program, stem, limit, launcher=()):
+        self.program, self.stem, self.limit, self.launcher, self.runs = Path(program).resolve(), stem, limit, launcher, {}
         if not self.program.is_file():
-            sys.exit(f"study: {program}: no such program; build it, or name it with --program")
+            sys.exit(f"{NAME}: {program}: no such program; build it, or name it with --program")
 
     def __enter__(self):
         self.temporary = tempfile.TemporaryDirectory()
@@ -84,7 +94,7 @@ class Laboratory:
         """Another program of the build."""
         program = self.program.parent / name
         if not program.is_file():
-            sys.exit(f"study: {program}: no such program; build all of Taut")
+            sys.exit(f"{NAME}: {program}: no such program; build all of Taut")
         return program
 
     def write(self, case):
@@ -97,18 +107,18 @@ class Laboratory:
         known = json.dumps([case, petsc])
         if known not in self.runs:
             folder = self.path(f"run{len(self.runs)}")
-            command = [self.program, "run", self.write(case), "--out", folder, "--progress", "lines"]
+            command = [*self.launcher, self.program, "run", self.write(case), "--out", folder, "--progress", "lines"]
             self.finish(subprocess.Popen([*map(str, command), *(["--", *petsc] if petsc else [])], env=ENVIRONMENT,
                                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
             self.runs[known] = Run(folder)
         return self.runs[known]
 
     def whole_run(self, case):
-        """The run of a case that a study makes no sense without."""
+        """The run of a case that makes no sense unless it comes to its end."""
         run = self.run(case)
         if not run.completed:
             reason = run.summary["reason"] if run.summary else "it was killed"
-            sys.exit(f"study: a run did not come to its end ({reason}); give it more time with --limit")
+            sys.exit(f"{NAME}: a run did not come to its end ({reason}); give it more time with --limit")
         return run
 
     def finish(self, process):
@@ -120,7 +130,7 @@ class Laboratory:
             except subprocess.TimeoutExpired:
                 process.send_signal(end)
         if process.returncode in (1, 2):  # neither a result nor the end of the steps
-            sys.exit(f"study: {' '.join(process.args)}\n{stderr}")
+            sys.exit(f"{NAME}: {' '.join(process.args)}\n{stderr}")
 
 
 def smallest(values, good):
