@@ -14,6 +14,7 @@ function(taut_case name)
 endfunction()
 
 taut_case(two-pins RANKS 1 2 4 TIMEOUT 300)
+taut_case(triangles RANKS 1 2 4 TIMEOUT 300)
 taut_case(drape RANKS 1 2 3 4 8 TIMEOUT 300)
 taut_case(chain RANKS 1 2 4 TIMEOUT 300)
 taut_case(flag RANKS 1 2 4 TIMEOUT 300)
@@ -24,6 +25,7 @@ taut_case(sphere RANKS 1 2 4 TIMEOUT 300)
 taut_case(table RANKS 1 2 TIMEOUT 300)
 taut_case(pile RANKS 1 4 TIMEOUT 300)
 taut_case(moving-body RANKS 1 2 TIMEOUT 300)
+taut_case(capstan RANKS 1 2 TIMEOUT 300)
 taut_case(incline RANKS 1 2 4 TIMEOUT 300)
 
 # One rank needs no launcher; with mpirun -n 1 the whole test took five times as long.

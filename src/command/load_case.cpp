@@ -31,7 +31,8 @@ void try_petsc_options(Simulation& simulation) {
   if (!unused.empty())
     throw InputError(
         fmt::format("PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
-                    "-projection_ (e.g. -projection_ksp_monitor)",
+                    "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or "
+                    "-stiffness_",
                     unused));
 }
 

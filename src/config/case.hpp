@@ -11,7 +11,7 @@
 #include <vector>
 
 /// The case: what to simulate, as plain data in SI units. The initial value of a member is the default of its
-/// key; names, units, ranges and meanings of all keys stand in describe.hpp.
+/// key; names, units, ranges and meanings of all keys stand in describe_*.hpp.
 namespace taut::config {
 
 enum class LinearSolver { cg, mumps };
@@ -225,7 +225,7 @@ struct Time {
   double frame_rate = 30;                   ///< Hz
   double max_step = 0.01;                   ///< s
   double min_step = 1e-6;                   ///< s
-  std::optional<double> max_stretch_change; ///< absent: any
+  std::optional<double> max_stretch_change{}; ///< absent: any
   Integrator integrator = Integrator::implicit_euler;
   bool operator==(const Time&) const = default;
 };

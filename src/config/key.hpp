@@ -1,12 +1,18 @@
 #pragma once
 #include "src/config/units.hpp"
 
+#include <concepts>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace taut::config {
+
+/// T is S or const S: the reader changes what it visits, the others do not.
+template<class T, class S>
+concept Is = std::same_as<std::remove_const_t<T>, S>;
 
 /// The values a number may have; the ends belong to it unless open.
 struct Range {

@@ -1,0 +1,105 @@
+#pragma once
+#include "src/config/case.hpp"
+#include "src/config/fabrics.hpp"
+#include "src/config/key.hpp"
+
+/// The keys of `cloth`; see describe.hpp.
+namespace taut::config {
+
+template<class V>
+void describe(V& v, Is<Grid> auto& g) {
+  v("size", g.size,
+    {.unit = Unit::metre,
+     .range = positive,
+     .presence = Presence::required,
+     .meaning = "lengths along x (warp) and y (weft)"});
+  v("vertices", g.vertices,
+    {.range = at_least(2),
+     .presence = Presence::required,
+     .meaning = "numbers of vertices along x and y; row i, column j is vertex i*nx + j"});
+  v("cells", g.cells,
+    {.meaning = "quads; or triangles, all cut along the same diagonal or along both in turn"});
+}
+
+template<class V>
+void describe(V& v, Is<Line> auto& l) {
+  v("length", l.length,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "length along x"});
+  v("vertices", l.vertices,
+    {.range = at_least(2), .presence = Presence::required, .meaning = "number of vertices"});
+}
+
+template<class V>
+void describe(V& v, Is<Rotation> auto& r) {
+  v("axis", r.axis, {.meaning = "axis of the rotation, of any length"});
+  v("angle", r.angle, {.unit = Unit::radian, .meaning = "angle, by the right-hand rule"});
+  v.check("axis", !r.axis.isZero(0), "must not be zero; a rotation needs a direction");
+}
+
+template<class V>
+void describe(V& v, Is<Start> auto& s) {
+  v("shape", s.shape, {.meaning = "OBJ file with the same vertices in other places"});
+  v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
+  v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
+}
+
+template<class V>
+void describe(V& v, Is<Damping> auto& d) {
+  v("mass", d.mass,
+    {.unit = Unit::per_second, .range = not_negative, .meaning = "mass-proportional damping"});
+  v("stiffness", d.stiffness,
+    {.unit = Unit::second, .range = not_negative, .meaning = "stiffness-proportional damping"});
+}
+
+template<class V>
+void describe(V& v, Is<Material> auto& m) {
+  v("density", m.density, {.unit = Unit::cloth_density, .range = positive, .meaning = "mass per area"});
+  v("bending", m.bending,
+    {.unit = Unit::cloth_bending, .range = not_negative, .meaning = "bending stiffness"});
+  v("bending_weft", m.bending_weft,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .computed_default = "bending",
+     .meaning = "bending stiffness of weft threads"});
+  v("bending_model", m.bending_model,
+    {.computed_default = "yarn, or isometric on a mesh with triangles",
+     .meaning = "what resists bending: curvature of each yarn, or the fold over each edge between faces: its "
+                "isometric quadratic form, discrete shells, or the angle of Baraff and Witkin"});
+  v("rest_angles", m.rest_angles,
+    {.meaning = "angle over an edge that does not bend: none, or that of the mesh (discrete_shells)"});
+  v("shear", m.shear,
+    {.unit = Unit::newton_per_metre,
+     .range = not_negative,
+     .meaning = "shear stiffness, per radian of shear angle"});
+  v("shear_model", m.shear_model,
+    {.meaning = "what resists shear: the angle between warp and weft, or the diagonals of quads as springs"});
+  v("stretch", m.stretch,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .computed_default = "0; from the weight, where `inextensibility.constrain` is vertices",
+     .meaning = "stretch stiffness of warp and weft, per strain; for cloth without inextensibility"});
+  v("stretch_weft", m.stretch_weft,
+    {.unit = Unit::cloth_stretch,
+     .range = not_negative,
+     .computed_default = "stretch",
+     .meaning = "stretch stiffness of weft threads"});
+  v("stretch_target", m.stretch_target,
+    {.range = positive,
+     .meaning = "lengths of warp and weft that the stretch stiffness pulls to, over those at rest"});
+  v("damping", m.damping, {.meaning = "Rayleigh damping"});
+}
+
+template<class V>
+void describe(V& v, Is<Cloth> auto& c) {
+  v.exactly_one({"grid", "line", "mesh"});
+  v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
+  v("line", c.line, {.meaning = "a chain of line elements along x"});
+  v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
+  v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
+  v("start", c.start, {.meaning = "where the cloth starts"});
+  v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
+  v("material", c.material,
+    {.computed_default = "of the fabric, if one is named", .meaning = "what the cloth is made of"});
+}
+
+} // namespace taut::config

@@ -1,0 +1,143 @@
+#pragma once
+#include "src/config/case.hpp"
+#include "src/config/key.hpp"
+
+#include <algorithm>
+
+/// The keys of `pins`, `obstacles`, `contact` and `air`; see describe.hpp.
+namespace taut::config {
+
+template<class V>
+void describe(V& v, Is<Box> auto& b) {
+  v("min", b.min, {.unit = Unit::metre, .presence = Presence::required, .meaning = "lowest corner"});
+  v("max", b.max, {.unit = Unit::metre, .presence = Presence::required, .meaning = "highest corner"});
+  v.check("max", (b.min.array() <= b.max.array()).all(), "must not be below min in any direction");
+}
+
+template<class V>
+void describe(V& v, Is<PivotRotation> auto& r) {
+  v("axis", r.axis, {.meaning = "axis of the rotation, of any length"});
+  v("angle", r.angle, {.unit = Unit::radian, .meaning = "angle, by the right-hand rule"});
+  v("centre", r.centre, {.unit = Unit::metre, .meaning = "a point on the axis"});
+  v.check("axis", !r.axis.isZero(0), "must not be zero; a rotation needs a direction");
+}
+
+template<class V>
+void describe(V& v, Is<Keyframe> auto& k) {
+  v("time", k.time,
+    {.unit = Unit::second,
+     .range = not_negative,
+     .presence = Presence::required,
+     .meaning = "when the pin is here"});
+  v("translate", k.translate, {.unit = Unit::metre, .meaning = "offset from the start, after the rotation"});
+  v("rotate", k.rotate, {.meaning = "rotation of the start position, done first"});
+}
+
+/// Times that increase strictly.
+inline bool increasing(const std::vector<Keyframe>& motion) {
+  for (std::size_t i = 1; i < motion.size(); ++i)
+    if (!(motion[i - 1].time < motion[i].time)) return false;
+  return true;
+}
+
+template<class V>
+void describe(V& v, Is<Pin> auto& p) {
+  v.exactly_one({"vertices", "box", "near"});
+  v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
+  v("box", p.box, {.meaning = "all vertices whose start position is inside"});
+  v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("along", p.along, {.meaning = "axis along which the vertices may slide; none: they are held"});
+  v("plane", p.plane,
+    {.meaning = "normal of the plane in which the vertices may slide; none: they are held"});
+  v("motion", p.motion,
+    {.meaning = "keyframes; linear between them, constant before and after; none: at rest"});
+  v("release", p.release,
+    {.unit = Unit::second,
+     .range = not_negative,
+     .computed_default = "never",
+     .meaning = "when the pin lets go"});
+  v.check("vertices", !p.vertices || !p.vertices->empty(), "must not be empty; a pin holds something");
+  v.check("near", !p.near || !p.near->empty(), "must not be empty; a pin holds something");
+  v.check("along", !p.along || !p.along->isZero(0), "must not be zero; a line needs a direction");
+  v.check("plane", !p.plane || !p.plane->isZero(0), "must not be zero; a plane needs a normal");
+  v.check("plane", !p.plane || !p.along, "must not be given together with along; give one of them");
+  v.check("motion", increasing(p.motion), "times must increase from keyframe to keyframe; sort them");
+}
+
+template<class V>
+void describe(V& v, Is<Plane> auto& p) {
+  v("point", p.point, {.unit = Unit::metre, .meaning = "a point on the plane"});
+  v("normal", p.normal, {.meaning = "the side on which cloth stays, of any length"});
+  v.check("normal", !p.normal.isZero(0), "must not be zero; a plane has two sides");
+}
+
+template<class V>
+void describe(V& v, Is<Sphere> auto& s) {
+  v("centre", s.centre, {.unit = Unit::metre, .presence = Presence::required, .meaning = "its centre"});
+  v("radius", s.radius,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "its radius"});
+}
+
+template<class V>
+void describe(V& v, Is<Capsule> auto& c) {
+  v("from", c.from, {.unit = Unit::metre, .presence = Presence::required, .meaning = "one end of its axis"});
+  v("to", c.to, {.unit = Unit::metre, .presence = Presence::required, .meaning = "the other end"});
+  v("radius", c.radius,
+    {.unit = Unit::metre, .range = positive, .presence = Presence::required, .meaning = "its radius"});
+}
+
+template<class V>
+void describe(V& v, Is<Obstacle> auto& o) {
+  v("name", o.name, {.computed_default = "its number and kind", .meaning = "how messages call it"});
+  v.exactly_one({"plane", "sphere", "capsule", "box", "mesh"});
+  v("plane", o.plane, {.meaning = "a half-space"});
+  v("sphere", o.sphere, {.meaning = "a sphere"});
+  v("capsule", o.capsule, {.meaning = "all points near a segment"});
+  v("box", o.box, {.meaning = "a box along the axes"});
+  v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj or .h5), relative to the case file"});
+  v("scale", o.scale, {.range = positive, .meaning = "metres per unit of the mesh"});
+  v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
+  v("friction", o.friction,
+    {.range = not_negative,
+     .computed_default = "`contact.friction`",
+     .meaning = "Coulomb coefficient against cloth"});
+  v("motion", o.motion, {.meaning = "keyframes, as of pins; none: at rest"});
+  v.check("motion", increasing(o.motion), "times must increase from keyframe to keyframe; sort them");
+  v.check("motion",
+          !o.plane || std::none_of(o.motion.begin(), o.motion.end(),
+                                   [](const Keyframe& k) { return k.rotate.angle != 0; }),
+          "a plane can be moved but not turned; use a box");
+}
+
+template<class V>
+void describe(V& v, Is<Contact> auto& c) {
+  v("model", c.model, {.meaning = "constraint: within the projection, never an intersection; none: off"});
+  v("thickness", c.thickness,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "a tenth of the mean edge",
+     .meaning = "distance kept between midsurfaces"});
+  v("friction", c.friction, {.range = not_negative, .meaning = "Coulomb coefficient of cloth on cloth"});
+  v("max_iterations", c.max_iterations,
+    {.range = at_least(1), .meaning = "projections with contact before a step is rejected"});
+  v("check", c.check, {.meaning = "when the result is tested for intersections"});
+}
+
+template<class V>
+void describe(V& v, Is<Gust> auto& g) {
+  v("speed", g.speed,
+    {.unit = Unit::metre_per_second, .range = not_negative, .meaning = "amplitude, added along the wind"});
+  v("length", g.length, {.unit = Unit::metre, .range = positive, .meaning = "wave length in space"});
+  v("period", g.period, {.unit = Unit::second, .range = positive, .meaning = "period in time"});
+}
+
+template<class V>
+void describe(V& v, Is<Air> auto& a) {
+  v("wind", a.wind, {.unit = Unit::metre_per_second, .meaning = "velocity of the air"});
+  v("density", a.density,
+    {.unit = Unit::kilogram_per_metre3, .range = not_negative, .meaning = "density of the air"});
+  v("drag", a.drag, {.range = not_negative, .meaning = "pressure drag coefficient on the face normal"});
+  v("gust", a.gust, {.meaning = "a wave on top of the wind"});
+}
+
+} // namespace taut::config
