@@ -67,9 +67,9 @@ std::vector<Fold> folds_of(const Cloth& cloth, double stiffness_warp, double sti
   return folds;
 }
 
-std::array<double, 4> isometric_row(const std::array<Vec3, 4>& x) {
-  const double c01 = cotangent(x[0], x[1], x[2]), c02 = cotangent(x[0], x[1], x[3]),
-               c03 = cotangent(x[1], x[0], x[2]), c04 = cotangent(x[1], x[0], x[3]);
+std::array<double, 4> isometric_row(const std::array<Vec3, 4>& rest) {
+  const double c01 = cotangent(rest[0], rest[1], rest[2]), c02 = cotangent(rest[0], rest[1], rest[3]),
+               c03 = cotangent(rest[1], rest[0], rest[2]), c04 = cotangent(rest[1], rest[0], rest[3]);
   return {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04};
 }
 

@@ -21,11 +21,11 @@ Vec3 weighted_sum(const std::array<double, 4>& c, const std::array<Vec3, 4>& x) 
 
 } // namespace
 
-ShearStencil quad_shear_stencil(const std::array<Vec3, 4>& p) {
-  const double u = 1.0 / ((p[1] - p[0]).norm() + (p[2] - p[3]).norm());
-  const double v = 1.0 / ((p[3] - p[0]).norm() + (p[2] - p[1]).norm());
+ShearStencil quad_shear_stencil(const std::array<Vec3, 4>& rest) {
+  const double u = 1.0 / ((rest[1] - rest[0]).norm() + (rest[2] - rest[3]).norm());
+  const double v = 1.0 / ((rest[3] - rest[0]).norm() + (rest[2] - rest[1]).norm());
   ShearStencil s{{-u, u, u, -u}, {-v, -v, v, v}, 0.0};
-  s.rest = weighted_sum(s.c_u, p).dot(weighted_sum(s.c_v, p));
+  s.rest = weighted_sum(s.c_u, rest).dot(weighted_sum(s.c_v, rest));
   return s;
 }
 

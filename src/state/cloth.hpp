@@ -63,7 +63,7 @@ struct Candidate {
 };
 
 /// Derives masses and lengths. Collective.
-Cloth make_cloth(DistributedMesh mesh, const config::Material& material);
+Cloth make_cloth(DistributedMesh distributed, const config::Material& material);
 
 /// |d| / l - 1 of an edge.
 inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Local edge) {
