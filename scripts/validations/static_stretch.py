@@ -7,7 +7,8 @@ KEYS = ["model", "cells"]
 LENGTH, WIDTH, DENSITY, STIFFNESS = 1.0, 0.1, 0.2, 20.0  # m, m; kg/m^2, or kg/m of a line; N/m, or N of a line
 ALONG = 11  # vertices
 QUICK = [("springs", "line"), ("stretch", "line"), ("stretch", "quads")]
-ALL = [*QUICK, ("springs", "quads"), ("stretch", "triangles"), ("stretch", "alternating_triangles"), ("xpbd, 20 substeps,", "line"), ("xpbd, 200 substeps,", "line")]
+ALL = [*QUICK, ("springs", "quads"), ("stretch", "triangles"), ("stretch", "alternating_triangles"),
+       ("xpbd, 20 substeps,", "line"), ("xpbd, 200 substeps,", "line")]
 
 
 def plan(quick):
@@ -59,5 +60,8 @@ def draw(axes, rows):
     axes.legend(loc="lower right")
 
 
-VALIDATION = Validation("static-stretch", "Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for everything in Taut that stretches.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "static-stretch",
+    "Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for everything in "
+    "Taut that stretches.",
+    KEYS, plan, measure, draw, judge)
