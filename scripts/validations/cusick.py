@@ -4,6 +4,7 @@ import math
 import numpy as np
 
 from validations import cases, fabrics, strips
+from validations.cases import G
 from validations.checks import Validation, band, unjudged
 
 KEYS = ["fabric", "spacing_m", "seed"]
@@ -65,8 +66,9 @@ def measure(laboratory, point):
     whole, disc = len(faces) * point["spacing_m"] ** 2, math.pi * DISC**2
     edge = x[radius > SPECIMEN - point["spacing_m"]]
     around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
+    bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
     return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc), "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
-            "lowest_m": x[:, 2].min(), "kinetic_J": run.steps()[-1]["kinetic_J"]}
+            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps()[-1]["kinetic_J"]}
 
 
 def nodes(radii):
@@ -81,11 +83,12 @@ def judge(rows):
     checks = []
     for row in rows:
         name = f"drape coefficient, {row['fabric']}, sides of {1000 * row['spacing_m']:g} mm, start {row['seed']:g}"
+        seen = f"; {row['nodes']:g} folds; bending length {row['bending_length_mm']:.3g} mm"
         if row["fabric"] in PUBLISHED:
-            checks.append(band(name, "%", *PUBLISHED[row["fabric"]], row["drape_percent"],
-                               f"published band of real {row['fabric']}; {row['nodes']:g} folds"))
+            reference = f"published band of real {row['fabric']}" + seen
+            checks.append(band(name, "%", *PUBLISHED[row["fabric"]], row["drape_percent"], reference))
         else:
-            checks.append(unjudged(name, "%", row["drape_percent"], f"no published band found; {row['nodes']:g} folds"))
+            checks.append(unjudged(name, "%", row["drape_percent"], "no published band found" + seen))
     return checks
 
 

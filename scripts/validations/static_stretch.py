@@ -52,11 +52,11 @@ def judge(rows):
 
 
 def draw(axes, rows):
-    names = [f"{row['model']}\n{row['cells'].replace('_', chr(10))}" for row in rows]
-    axes.bar(names, [1000 * row["elongation_m"] for row in rows], color="0.75")
-    axes.axhline(1000 * EXPECTED, color="black", label="w L^2 / (2 k)")
-    axes.set_ylabel("elongation, mm")
-    axes.tick_params(axis="x", labelsize=7)
+    names = [f"{row['model'].rstrip(',')} on {row['cells']}" for row in rows]
+    axes.barh(names, [100 * abs(row["elongation_m"] / EXPECTED - 1) for row in rows], color="0.75")
+    axes.axvline(0.1, color="black", label="tolerance")
+    axes.set_xscale("log")
+    axes.set_xlabel("error of the elongation, %")
     axes.legend(loc="lower right")
 
 
