@@ -9,7 +9,7 @@ from pathlib import Path
 
 VALIDATE = Path(__file__).resolve().parent.parent / "scripts/validate"
 NAME, LAUNCHER, PROGRAM = None, [], None
-VERDICTS = {"isotropic plate": "missed", "no published band": "no reference"}  # by how the reference begins; else "met"
+VERDICTS = {"isotropic plate": "missed", "no published band": "no reference", "not judged": "no reference"}  # by how the reference begins; else "met"
 
 
 def validate(folder, name):
