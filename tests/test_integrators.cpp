@@ -159,6 +159,40 @@ TEST(Bdf2, BeginsAndJumpsWithAnEulerStep) {
   EXPECT_EQ(state.previous_dt, 0.1);
 }
 
+namespace {
+
+/// Where a sheet that is held by one side and starts tilted is after 0.1 s, sheared and blown at.
+Column swung_sheet(const std::string& integrator, double step) {
+  Simulation simulation(
+      world, case_of(fmt::format("cloth:\n"
+                                 "  grid: {{size: [0.5, 0.5], vertices: [5, 5]}}\n"
+                                 "  start: {{rotate: {{axis: [1, 4, 0], angle: 30 deg}}}}\n"
+                                 "  material: {{bending: 1e-4, shear: 5}}\n"
+                                 "air: {{wind: [0, 2, 0]}}\n"
+                                 "pins: [{{vertices: [0, 5, 10, 15, 20]}}]\n"
+                                 "time: {{end: 0.1, frame_rate: 10, max_step: {}, integrator: {}}}\n"
+                                 "inextensibility: {{strain: 1e-9, compliance: 0, solver: mumps}}\n"
+                                 "velocity: {{solver: mumps}}\n",
+                                 step, integrator)));
+  Recorder sheet(simulation);
+  run_to_the_end(simulation, sheet);
+  return sheet.positions.back();
+}
+
+double order_of_sheet(const std::string& integrator) {
+  const Column coarse = swung_sheet(integrator, 0.002), middle = swung_sheet(integrator, 0.001),
+               fine = swung_sheet(integrator, 0.0005);
+  return std::log2((coarse - middle).norm() / (middle - fine).norm());
+}
+
+} // namespace
+
+// Shear and drag are linearised with less than their whole derivative.
+TEST(Bdf2, IsOfSecondOrderWithShearAndAir) {
+  EXPECT_NEAR(order_of_sheet("bdf2"), 2, 0.15);
+  EXPECT_NEAR(order_of_sheet("implicit_euler"), 1, 0.15);
+}
+
 // Whatever the integrator, a pin is where its keyframes say at the end of each step.
 TEST(Bdf2, BringsPinsToTheirPlaces) {
   Simulation simulation(

@@ -41,7 +41,7 @@ public:
     candidate_.velocities = start_.velocities;
     candidate_.force_density.assign(simulation_.cloth().mesh.edges.size(), 0.0);
     simulation_.pins().prescribe(start_, dt, freedom_, candidate_.velocities);
-    predictor_.predict(start_, dt, freedom_, candidate_.velocities, candidate_.reaction);
+    predictor_.predict({start_, dt, start_}, freedom_, candidate_.velocities, candidate_.reaction);
   }
 
   struct Left {

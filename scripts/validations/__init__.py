@@ -1,4 +1,7 @@
 """Comparisons of Taut with what is known from elsewhere, a file each, in the order of the table."""
-from validations import audits, bending_length, cantilever, catenary, free_fall, lateral_buckling, order_in_time, pendulum, static_stretch
+from validations import (audits, bending_length, cantilever, catenary, cusick, free_fall, incline, lateral_buckling,
+                         mesh_convergence, order_in_time, pendulum, static_stretch)
 
-VALIDATIONS = tuple(module.VALIDATION for module in (free_fall, pendulum, static_stretch, catenary, order_in_time, audits, cantilever, lateral_buckling, bending_length))
+VALIDATIONS = tuple(module.VALIDATION for module in (
+    free_fall, pendulum, static_stretch, catenary, order_in_time, audits, cantilever, lateral_buckling, bending_length,
+    cusick, incline, mesh_convergence))

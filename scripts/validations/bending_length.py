@@ -59,5 +59,8 @@ def draw(axes, rows):
     axes.set_ylabel("half the overhang at 41.5 degrees, mm")
 
 
-VALIDATION = Validation("bending-length", "The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers make.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "bending-length",
+    "The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
+    "make.",
+    KEYS, plan, measure, draw, judge)

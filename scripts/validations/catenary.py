@@ -57,7 +57,9 @@ def vee():
 def inextensibility(method):
     if method == "springs":
         return {"springs": {"stiffness": SPRINGS}}
-    return {"xpbd": {"substeps": 50}} if method == "xpbd" else {"strain": STRAIN, "compliance": 0} if method in LIMITED[:5] else {"strain": STRAIN}
+    if method == "xpbd":
+        return {"xpbd": {"substeps": 50}}
+    return {"strain": STRAIN, **({"compliance": 0} if method in LIMITED[:5] else {})}
 
 
 def measure(laboratory, point):
@@ -98,5 +100,8 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation("catenary", "A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and tensions, by every method.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "catenary",
+    "A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and tensions, "
+    "by every method.",
+    KEYS, plan, measure, draw, judge)

@@ -1,4 +1,5 @@
 """Cantilevers of cloth: a strip clamped at one end that hangs under its own weight, as Taut has it and as a heavy elastica."""
+import functools
 import math
 
 from validations.cases import G, steps_of
@@ -6,7 +7,7 @@ from validations.cases import G, steps_of
 DENSITY = 0.2  # kg/m^2
 
 
-def from_tip(gamma, steepness, points=400):
+def from_tip(gamma, steepness, points=200):
     """From the tip, at the angle pi/2 - `steepness` below the horizontal and without curvature, to the clamp, by Runge and
     Kutta's method in r = 1 - s: (a, drop, reach) of a'' = gamma r sin a, a the angle to the vertical [gamma = w L^3 / B, w the
     weight per area]."""
@@ -24,12 +25,13 @@ def from_tip(gamma, steepness, points=400):
     return y[0], y[2], y[3]
 
 
+@functools.lru_cache(maxsize=None)
 def hanging(gamma):
     """(drop, reach) over the length: by bisection, the least steepness of the tip for which the clamp is horizontal."""
     high = math.log(1e-30)
     while from_tip(gamma, math.exp(high))[0] < math.pi / 2:
-        high += 0.5
-    low = high - 0.5
+        high += 2
+    low = high - 2
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if from_tip(gamma, math.exp(middle))[0] < math.pi / 2 else (low, middle)

@@ -49,5 +49,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation("free-fall", "A sheet that nothing holds falls as the integrator's own sum says, and so with its order towards g t²/2.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "free-fall",
+    "A sheet that nothing holds falls as the integrator's own sum says, and so with its order towards g t²/2.",
+    KEYS, plan, measure, draw, judge)

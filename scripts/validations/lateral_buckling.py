@@ -14,7 +14,8 @@ PLATE = BEAM * math.sqrt(2)  # of a strip of an isotropic plate with Poisson rat
 # Hinges store B/2 (p^2 + q^2 - 2/3 p q + 8/3 s^2) per area on triangles with equal sides, s the twist: B_side = 8/9 B w, C = 8/3 B w;
 # and 4 s^2, with B_side = 0.8 B w, where squares are cut in turn. Quads store nothing in a twist.
 HINGES = {"equilateral": BEAM * math.sqrt(64 / 27), "alternating": BEAM * math.sqrt(3.2)}
-MESHES = [("equilateral", 0.005, 2), ("equilateral", 0.0025, 4), ("equilateral", 0.00125, 8), ("alternating", 0.005, 2), ("alternating", 0.0025, 4)]
+MESHES = [("equilateral", 0.005, 2), ("equilateral", 0.0025, 4), ("equilateral", 0.00125, 8),
+          ("alternating", 0.005, 2), ("alternating", 0.0025, 4)]
 
 
 def plan(quick):
@@ -66,8 +67,9 @@ def judge(rows):
         if mesh == "quads":
             for row in found:
                 falls = float(row["rate_per_s"] > 0)
-                checks += [Check(f"falls over at gamma {row['gamma']:g} (1: yes), {name}", "", 0, 0, falls, f"isotropic plate: stands up to {PLATE:.2f}"),
-                           Check(f"falls over at gamma {row['gamma']:g} (1: yes), {name}", "", 1, 0, falls, "quads store nothing in a twist, C = 0")]
+                quantity = f"falls over at gamma {row['gamma']:g} (1: yes), {name}"
+                checks += [Check(quantity, "", 0, 0, falls, f"isotropic plate: stands up to {PLATE:.2f}"),
+                           Check(quantity, "", 1, 0, falls, "quads store nothing in a twist, C = 0")]
             continue
         checks += [Check(f"gamma at the threshold, {name}", "", PLATE, 0.05 * PLATE, threshold(found),
                          "isotropic plate of Poisson ratio 0: 12.854 sqrt(2) [Prandtl, Michell]; 5 %, the width over the length"),
@@ -88,5 +90,8 @@ def draw(axes, rows):
     axes.legend(fontsize=8)
 
 
-VALIDATION = Validation("lateral-buckling", "A strip of 0.2 m, its width upright, on triangles stretched by less than 0.1 % and on quads at 1 % strain: the weight at which it falls over sideways.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "lateral-buckling",
+    "A strip of 0.2 m, its width upright, on triangles stretched by less than 0.1 % and on quads at 1 % strain: the "
+    "weight at which it falls over sideways.",
+    KEYS, plan, measure, draw, judge)

@@ -59,5 +59,8 @@ def draw(axes, rows):
     axes.legend(fontsize=7)
 
 
-VALIDATION = Validation("order-in-time", "A sheet held by one side, its mesh fixed, no step rejected: distance between the shapes after 0.24 s with steps h and h/2.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "order-in-time",
+    "A sheet held by one side, its mesh fixed, no step rejected: distance between the shapes after 0.24 s with "
+    "steps h and h/2.",
+    KEYS, plan, measure, draw, judge)

@@ -92,5 +92,8 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation("pendulum", "Period and amplitude of small swings against the roots of the integrators; a large swing against the elliptic integral.",
-                        KEYS, plan, measure, draw, judge)
+VALIDATION = Validation(
+    "pendulum",
+    "Period and amplitude of small swings against the roots of the integrators; a large swing against the elliptic "
+    "integral.",
+    KEYS, plan, measure, draw, judge)

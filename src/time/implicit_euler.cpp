@@ -26,23 +26,35 @@ ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const F
   load_impulse_.resize(cloth.mesh.vertices.size());
 }
 
-SolveReport ImplicitEuler::predict(const State& start, double dt, const Freedom& freedom,
+SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedom,
                                    std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
+  const double dt = start.dt;
   step_.start(dt);
   const double damping = cloth_.material.damping.mass;
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
-    step_.add_inertia(i, cloth_.mass[i], start.velocities[i]);
+    step_.add_inertia(i, cloth_.mass[i], start.state.velocities[i]);
     step_.add_damping(i, damping * cloth_.mass[i]);
   }
-  for (const auto& force : forces_)
-    if (!loads_ || force->is_internal()) force->add_to(step_, start);
-  if (loads_) add_explicit_loads(start, dt);
+  add_forces(start);
   const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
   reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   if (freedom.all_free()) return report;
   reaction = constraint_impulse(step_.matrix(), step_.rhs(), freedom, velocities);
   for (Vec3& r : reaction) r /= dt;
   return report;
+}
+
+/// Around x*, where they are linearised: x' - x* = (x - x*) + dt v'.
+void ImplicitEuler::add_forces(const StepStart& start) {
+  if (&start.forces != &start.state) {
+    alteration_.resize(start.state.positions.size());
+    for (std::size_t i = 0; i < alteration_.size(); ++i)
+      alteration_[i] = start.state.positions[i] - start.forces.positions[i];
+    step_.alter_positions(alteration_);
+  }
+  for (const auto& force : forces_)
+    if (!loads_ || force->is_internal()) force->add_to(step_, start.forces);
+  if (loads_) add_explicit_loads(start.state, start.dt);
 }
 
 void ImplicitEuler::add_explicit_loads(const State& start, double dt) {

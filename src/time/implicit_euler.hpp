@@ -2,6 +2,7 @@
 #include "src/forces/force.hpp"
 #include "src/linear/velocity_system.hpp"
 #include "src/state/pins.hpp"
+#include "src/time/integrator.hpp"
 
 #include <memory>
 #include <optional>
@@ -26,16 +27,18 @@ public:
   /// `velocities` (local) holds the start velocities and, in the directions that `freedom` denies, the
   /// prescribed ones; on exit those at the end of the step, ghosts current. `reaction` (owned vertices): the
   /// forces in N that keep the prescribed velocities. Collective.
-  SolveReport predict(const State& start, double dt, const Freedom& freedom, std::vector<Vec3>& velocities,
+  SolveReport predict(const StepStart& start, const Freedom& freedom, std::vector<Vec3>& velocities,
                       std::vector<Vec3>& reaction);
 
 private:
+  void add_forces(const StepStart& start);
   void add_explicit_loads(const State& start, double dt);
 
   const Cloth& cloth_;
   const Forces& forces_;
   double tolerance_;
   StepSystem step_;
+  std::vector<Vec3> alteration_;    ///< from where forces are linearised to where the step starts
   std::optional<StepSystem> loads_; ///< of IMEX
   std::vector<Vec3> load_impulse_;
   VelocitySystem solver_;

@@ -8,12 +8,18 @@ namespace {
 
 constexpr double longest_ratio = 1 + std::numbers::sqrt2;
 
-void extrapolate(const std::vector<Vec3>& present, const std::vector<Vec3>& previous, double ratio,
+void extrapolate(const std::vector<Vec3>& present, const std::vector<Vec3>& previous, double by,
                  std::vector<Vec3>& result) {
-  const double past = ratio * ratio / (1 + 2 * ratio);
   result.resize(present.size());
-  for (std::size_t i = 0; i < present.size(); ++i)
-    result[i] = present[i] + past * (present[i] - previous[i]); // the weights 1 + past and -past
+  for (std::size_t i = 0; i < present.size(); ++i) result[i] = present[i] + by * (present[i] - previous[i]);
+}
+
+/// `state` with positions and velocities that go on from the previous ones by so many times the last step.
+void extrapolate(const State& state, double by, double time, State& result) {
+  result = state;
+  extrapolate(state.positions, state.previous_positions, by, result.positions);
+  extrapolate(state.velocities, state.previous_velocities, by, result.velocities);
+  result.time = time;
 }
 
 } // namespace
@@ -21,13 +27,12 @@ void extrapolate(const std::vector<Vec3>& present, const std::vector<Vec3>& prev
 StepStart Integrator::start(const State& state, double dt) {
   const bool has_past = kind_ == config::Integrator::bdf2 && state.previous_dt > 0;
   const double ratio = has_past ? dt / state.previous_dt : 0.0;
-  if (!has_past || ratio > longest_ratio) return {state, dt};
+  if (!has_past || ratio > longest_ratio) return {state, dt, state};
   const double euler_dt = (1 + ratio) / (1 + 2 * ratio) * dt;
-  extrapolated_ = state;
-  extrapolate(state.positions, state.previous_positions, ratio, extrapolated_.positions);
-  extrapolate(state.velocities, state.previous_velocities, ratio, extrapolated_.velocities);
-  extrapolated_.time = state.time + dt - euler_dt;
-  return {extrapolated_, euler_dt};
+  // (1 + r)^2 / (1 + 2r) = 1 + r^2 / (1 + 2r)
+  extrapolate(state, ratio * ratio / (1 + 2 * ratio), state.time + dt - euler_dt, extrapolated_);
+  extrapolate(state, ratio, state.time + dt, foreseen_);
+  return {extrapolated_, euler_dt, foreseen_};
 }
 
 void Integrator::remember(State& state, double dt) const {

@@ -3,10 +3,12 @@
 
 namespace taut {
 
-/// A step as implicit Euler sees it: from `state`, over `dt` seconds, x' = x + dt v'.
+/// A step as implicit Euler sees it: from `state`, over `dt` seconds, x' = x + dt v'. Forces are linearised
+/// at `forces`.
 struct StepStart {
   const State& state;
   double dt;
+  const State& forces;
 };
 
 /// What a step starts from. With implicit Euler and IMEX, the present state.
@@ -20,6 +22,11 @@ struct StepStart {
 /// equal steps k = 2h/3 and x^ = (4 x^n - x^(n-1))/3, the projected form of English and Bridson 2008. The
 /// first step, and one that is longer than the one before by more than 1 + sqrt 2, beyond which BDF2 is
 /// unstable, is one of implicit Euler.
+///
+/// Forces are linearised once a step, and with less than their whole derivative (its indefinite parts are
+/// left out, the normals of drag are kept): at a distance O(h) from the end of the step that would cost BDF2
+/// its second order. So with BDF2 they are linearised at x^n + r (x^n - x^(n-1)), v alike, which is O(h^2)
+/// from it.
 class Integrator {
 public:
   explicit Integrator(config::Integrator kind) : kind_(kind) {}
@@ -32,7 +39,7 @@ public:
 
 private:
   config::Integrator kind_;
-  State extrapolated_;
+  State extrapolated_, foreseen_;
 };
 
 } // namespace taut

@@ -169,7 +169,7 @@ void Simulation::predict(const StepStart& start, Attempt& attempt) {
     candidate_.force_density[e] = carried(state_.force_density[e]);
   pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
   const SolveReport predicted =
-      predictor_.predict(start.state, start.dt, freedom_, candidate_.velocities, candidate_.reaction);
+      predictor_.predict(start, freedom_, candidate_.velocities, candidate_.reaction);
   attempt.record.velocity_iterations = predicted.iterations;
   if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
 }

@@ -1,0 +1,112 @@
+"""Cusick's drape test on the named fabrics: how much of the ring of cloth around a disc still casts a shadow."""
+import math
+
+import numpy as np
+
+from validations import cases, fabrics, strips
+from validations.cases import G
+from validations.checks import Validation, band, unjudged
+
+KEYS = ["fabric", "spacing_m", "seed"]
+DISC, SPECIMEN = 0.09, 0.15  # radii, m [BS 5058, ISO 9073-9]
+PUBLISHED = {"silk": (20, 40), "cotton": (60, 76), "wool": (40, 70), "denim": (70, 90)}  # %
+PIXEL = 0.0005  # m
+
+
+def plan(quick):
+    if quick:
+        return cases.points(KEYS, ("polycotton", 0.01, 0))
+    return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES), *(("denim", 0.005, seed) for seed in (1, 2)),
+                        *((name, 0.01, 0) for name in ("wool", "denim")))
+
+
+def round_specimen(spacing):
+    """The squares of a grid whose centres lie in the specimen."""
+    columns = math.ceil(2 * SPECIMEN / spacing) + 2
+    places, corners = strips.grid(columns * spacing, spacing, columns)
+    places = places - columns * spacing / 2
+    faces = [face for face in corners if np.linalg.norm(places[list(face)].mean(axis=0)) < SPECIMEN]
+    used = sorted({vertex for face in faces for vertex in face})
+    number = {vertex: new for new, vertex in enumerate(used)}
+    return places[used], [tuple(number[vertex] for vertex in face) for face in faces]
+
+
+def shadow(positions, faces):
+    """The area under the cloth, m^2: of the pixels whose centres lie under one of its triangles."""
+    size = round(2.4 * SPECIMEN / PIXEL)
+    dark = np.zeros((size, size), bool)
+    p = positions[:, :2] / PIXEL + size / 2
+    for a, b, c, d in faces:
+        for triangle in (p[[a, b, c]], p[[a, c, d]]):
+            paint(dark, triangle)
+    return dark.sum() * PIXEL**2
+
+
+def paint(dark, corners):
+    """The pixels in a triangle: on the same side of all three edges."""
+    low, high = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
+    x, y = np.meshgrid(np.arange(low[0], high[0]) + 0.5, np.arange(low[1], high[1]) + 0.5)
+    sides = [(b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) for a, b in zip(corners, np.roll(corners, -1, axis=0))]
+    dark[low[1]:high[1], low[0]:high[0]] |= np.all([side >= 0 for side in sides], axis=0) | np.all([side <= 0 for side in sides], axis=0)
+
+
+def measure(laboratory, point):
+    """From flat, with bumps of up to 0.1 mm, until it hangs still."""
+    flat, faces = round_specimen(point["spacing_m"])
+    flat = np.c_[flat, np.zeros(len(flat))]
+    radius = np.linalg.norm(flat, axis=1)
+    bumps = 1e-4 * np.random.default_rng(point["seed"]).uniform(-1, 1, len(flat)) * (radius > DISC + point["spacing_m"])
+    case = {"name": f"{point['spacing_m']} {point['seed']}",
+            "cloth": {"mesh": strips.write(laboratory.path("flat.obj"), flat, faces), "fabric": point["fabric"],
+                      "start": {"shape": strips.write(laboratory.path("bumps.obj"), flat + np.outer(bumps, [0, 0, 1]))},
+                      "material": {"damping": {"mass": 8}}},
+            "pins": [{"vertices": np.flatnonzero(radius <= DISC).tolist()}], "time": cases.steps_of(3, 0.0025)}
+    run = laboratory.whole_run(case)
+    x = run.last()
+    whole, disc = len(faces) * point["spacing_m"] ** 2, math.pi * DISC**2
+    edge = x[radius > SPECIMEN - point["spacing_m"]]
+    around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
+    bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
+    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc), "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
+            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps()[-1]["kinetic_J"]}
+
+
+def nodes(radii):
+    """Folds around the shadow: maxima of its radius, after its staircase is smoothed away."""
+    waves = np.fft.rfft(radii)
+    waves[16:] = 0
+    smooth = np.fft.irfft(waves, len(radii))
+    return int(((smooth > np.roll(smooth, 1)) & (smooth >= np.roll(smooth, -1)) & (smooth > smooth.mean())).sum())
+
+
+def judge(rows):
+    checks = []
+    for row in rows:
+        name = f"drape coefficient, {row['fabric']}, sides of {1000 * row['spacing_m']:g} mm, start {row['seed']:g}"
+        seen = f"; {row['nodes']:g} folds; bending length {row['bending_length_mm']:.3g} mm"
+        if row["fabric"] in PUBLISHED:
+            reference = f"published band of real {row['fabric']}" + seen
+            checks.append(band(name, "%", *PUBLISHED[row["fabric"]], row["drape_percent"], reference))
+        else:
+            checks.append(unjudged(name, "%", row["drape_percent"], "no published band found" + seen))
+    return checks
+
+
+def draw(axes, rows):
+    shown = [row for row in rows if row["spacing_m"] == 0.005 and row["seed"] == 0] or rows
+    for place, row in enumerate(shown):
+        if row["fabric"] in PUBLISHED:
+            low, high = PUBLISHED[row["fabric"]]
+            axes.bar(place, high - low, bottom=low, color="0.85", label="published band" if row is shown[0] else None)
+        axes.plot(place, row["drape_percent"], "ko")
+    axes.set_xticks(range(len(shown)), [row["fabric"] for row in shown], fontsize=8)
+    axes.set_ylim(0, 100)
+    axes.set_ylabel("drape coefficient, %")
+    axes.legend()
+
+
+VALIDATION = Validation(
+    "cusick",
+    "Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published bands "
+    "of what they are called after.",
+    KEYS, plan, measure, draw, judge)
