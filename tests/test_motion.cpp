@@ -206,3 +206,34 @@ TEST(Drape, LosesEnergyInEveryStep) {
   }
   EXPECT_LT(last, start - 0.2 * g * 0.3); // it weighs 0.2 kg, and its middle falls by more than 0.3 m
 }
+
+// A weight that falls into a soft thread: where the thread stretches fast, steps grow shorter [BW98 section
+// 6].
+TEST(StepSize, FollowsHowMuchStretchChanges) {
+  const auto stretches = [](const std::string& more) {
+    Simulation simulation(
+        world, case_of("cloth: {line: {length: 1, vertices: 2}, material: {stretch: 20, density: 0.1}}\n"
+                       "pins: [{vertices: [0]}]\n"
+                       "gravity: [50, 0, 0]\n"
+                       "inextensibility: {method: none}\n"
+                       "time: {end: 0.2, frame_rate: 5, max_step: 0.02" +
+                       more + "}\n"));
+    Recorder fall(simulation);
+    run_to_the_end(simulation, fall);
+    std::vector<double> lengths;
+    for (const Column& x : fall.positions) lengths.push_back(x[3] - x[0]);
+    return lengths;
+  };
+  const auto largest_change = [](const std::vector<double>& lengths) {
+    double largest = 0;
+    for (std::size_t n = 1; n < lengths.size(); ++n)
+      largest = std::max(largest, std::abs(lengths[n] - lengths[n - 1]));
+    return largest;
+  };
+  constexpr double limit = 0.005; // of a rest length of 1 m
+  const std::vector<double> coarse = stretches(""), fine = stretches(", max_stretch_change: 0.005");
+  EXPECT_EQ(coarse.size(), 11u);
+  EXPECT_GT(largest_change(coarse), 2 * limit);
+  EXPECT_LE(largest_change(fine), limit);
+  EXPECT_GT(fine.size(), coarse.size());
+}
