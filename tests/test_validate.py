@@ -40,8 +40,10 @@ class Validation(unittest.TestCase):
     def goes_on_where_it_was(self, first):
         """Without the rows of its last point, which begin alike, only that one is run again."""
         path = self.folder / f"{NAME}.csv"
-        rows = path.read_text().splitlines(keepends=True)
-        path.write_text("".join(row for row in rows if row.split(",")[:2] != rows[-1].split(",")[:2]))
+        with open(path, newline="") as file:
+            rows = list(csv.reader(file))
+        with open(path, "w", newline="") as file:
+            csv.writer(file).writerows(row for row in rows if row[:2] != rows[-1][:2])
         again = validate(self.folder, NAME)
         ran = [[line for line in out.splitlines() if line.startswith(NAME + ":")] for out in (first, again.stdout)]
         self.assertEqual(ran[1], ran[0][-1:], again.stderr)

@@ -87,7 +87,7 @@ def draw(axes, rows):
         axes.axvline(gamma, color="black", linestyle=style, label=f"of hinges, {mesh}")
     axes.set_xlabel("gamma = weight per area x length^3 / bending stiffness")
     axes.set_ylabel("growth of a bend to the side, 1/s")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(0, 0.4))
 
 
 VALIDATION = Validation(
