@@ -2,8 +2,6 @@
 
 #include "src/config/methods.hpp"
 
-#include "src/config/methods.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
