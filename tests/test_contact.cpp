@@ -124,8 +124,8 @@ struct Crumpled {
       : cloth(make_cloth(std::move(mesh), input.cloth.material)), obstacles(cloth.mesh.comm, input) {
     const auto place = random_vectors(56, 0.5, seed), motion = random_vectors(56, 0.05, seed + 1);
     for (const Global v : cloth.mesh.vertices.original) {
-      from.push_back(place[v] + Vec3(0.5, 0.5, 0.2));
-      to.push_back(from.back() + motion[v]);
+      from.emplace_back(place[v] + Vec3(0.5, 0.5, 0.2));
+      to.emplace_back(from.back() + motion[v]);
     }
     obstacles.place(0, bodies);
   }

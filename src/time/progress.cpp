@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace taut {
@@ -50,7 +51,7 @@ double Progress::seconds_left(const State& state) const {
 }
 
 std::string in_words(double seconds) {
-  const auto s = Global(seconds + 0.5);
+  const Global s = std::llround(seconds);
   if (s < 60) return fmt::format("{} s", s);
   if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
   return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
