@@ -168,6 +168,17 @@ def xdmf_frames(path):
     return frames
 
 
+def jittered_start(folder, seed, shape):
+    """Writes the start of a run as an OBJ file, every vertex moved at random by about a ten thousandth of an edge."""
+    with h5py.File(folder / "mesh.h5") as mesh, h5py.File(folder / "frames/frame_000000.h5") as frame:
+        size = 1e-4 * mesh["constraints/rest_lengths"][:].mean()
+        positions = frame["positions"][:]
+    scale = float((yaml.safe_load((folder / "case.yaml").read_text())["cloth"]).get("scale", 1))
+    positions = (positions + size * np.random.default_rng(seed).standard_normal(positions.shape)) / scale
+    shape.write_text("".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in positions))
+    return {"cloth.start": {"shape": str(shape)}}
+
+
 def run_case(case, folder, options, arguments, ranks):
     """The rows of one run."""
     command = [*shlex.split(arguments.launch), "-n", str(ranks), str(Path(arguments.program).resolve()), "run", str(case),
@@ -210,23 +221,43 @@ def find_case(text):
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/check-case",
-                                     description="Runs a case and compares the run with its expected.yaml.")
-    parser.add_argument("case", help="a name under cases/, a folder with a case.yaml, or a case file")
+                                     description="Runs cases and compares each run with the expected.yaml of its case.")
+    parser.add_argument("case", nargs="+", help="a name under cases/, a folder with a case.yaml, or a case file")
     parser.add_argument("--ranks", type=int, help="default: those of expected.yaml")
     parser.add_argument("--program", default=ROOT / "build/taut", help="default: %(default)s")
     parser.add_argument("--launch", default="mpirun --oversubscribe --bind-to none",
                         help="what starts MPI programs, before -n RANKS (default: %(default)s)")
+    parser.add_argument("--jitter", type=int, default=0, metavar="N",
+                        help="then N runs more, every vertex of the start moved at random by a ten thousandth of an edge")
     arguments = parser.parse_args()
-    case = find_case(arguments.case)
+    passed = [passes(find_case(case), arguments) for case in arguments.case]
+    sys.exit(0 if all(passed) else 1)
+
+
+def passes(case, arguments):
     expected = yaml.safe_load((case.parent / "expected.yaml").read_text())
     options = {**expected.get("options", {}), "checks": expected["checks"]}
-    passed = True
-    for ranks in [arguments.ranks] if arguments.ranks else options.get("ranks", [1]):
-        with tempfile.TemporaryDirectory() as temporary:
-            rows = run_case(case, Path(temporary) / "run", options, arguments, ranks)
-        show(rows)
-        passed &= all(row.passed for row in rows)
-    sys.exit(0 if passed else 1)
+    passed = [run_and_show(case, options, arguments, ranks)
+              for ranks in ([arguments.ranks] if arguments.ranks else options.get("ranks", [1]))]
+    return all(passed)
+
+
+def run_and_show(case, options, arguments, ranks):
+    """The case once, then with jittered starts; whether every run is as expected."""
+    passed = []
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "run"
+        for seed in range(arguments.jitter + 1):
+            here = folder if seed == 0 else Path(temporary) / f"jittered{seed}"
+            start = jittered_start(folder, seed, Path(temporary) / f"start{seed}.obj") if seed > 0 else {}
+            rows = run_case(case, here, {**options, "set": {**options.get("set", {}), **start}}, arguments, ranks)
+            show(rows)
+            passed.append(all(row.passed for row in rows))
+            if not passed[0]:
+                return False
+    if arguments.jitter:
+        print(f"{case}, {ranks} ranks: {sum(passed[1:])} of {arguments.jitter} jittered runs are as expected")
+    return all(passed)
 
 
 main()
