@@ -120,7 +120,7 @@ TEST(NonsymmetricProjection, SolvesItsSystem) {
   const Column expected =
       matrix.partialPivLu().solve(Eigen::Map<const Column>(whole.gap.data(), Eigen::Index(whole.gap.size())));
   for (const auto kind : {cg, mumps})
-    on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
+    on_odd_partitions(mixed_mesh, [&](const DistributedMesh& mesh) {
       ProjectionSystem system(mesh, {.kind = kind, .matrix = SolverOptions::Matrix::nonsymmetric});
       system.assemble(local(mesh.edges, rows), local(mesh.edges, whole.gradient),
                       local(mesh.vertices, inverse_mass), Freedom(mesh.vertices.size()),
