@@ -49,7 +49,7 @@ Column result(const DistributedMesh& mesh, const std::vector<double>& masses, co
 double strain_of(const Column& x) {
   const Cloth cloth = make_cloth(serial(grid), config::Material{});
   std::vector<Vec3> positions;
-  for (const Global v : cloth.mesh.vertices.original) positions.push_back(x.segment<3>(3 * v));
+  for (const Global v : cloth.mesh.vertices.original) positions.emplace_back(x.segment<3>(3 * v));
   return measure_strain(cloth, positions).max;
 }
 

@@ -60,7 +60,10 @@ void write_dataset(hid_t file, const char* name, Bytes& bytes) {
                      H5Dclose);
   if (set.get() < 0 || claim || count > 40000) return;
   std::vector<std::int64_t> values(count);
-  for (auto& v : values) v = bytes.next<std::int8_t>();
+  for (auto& v : values) {
+    const int byte = bytes.next<std::uint8_t>();
+    v = byte < 128 ? byte : byte - 256;
+  }
   if (kind & 16) // as they are, whatever they mean as floating point
     H5Dwrite(set.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
   else
@@ -69,14 +72,14 @@ void write_dataset(hid_t file, const char* name, Bytes& bytes) {
 
 } // namespace
 
-void taut::fuzz::read_input(std::string_view input) {
+void taut::fuzz::read_input(std::string_view bytes) {
   h5::silence();
   const auto path = write_input("mesh.h5", "");
   {
-    Bytes bytes(input);
+    Bytes numbers(bytes);
     const H5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
     for (const char* name : {"/face_offsets", "/faces", "/rest_positions"})
-      write_dataset(file.get(), name, bytes);
+      write_dataset(file.get(), name, numbers);
   }
   const MeshSlab slab = read_mesh_h5(MPI_COMM_SELF, path, 1.0);
   find_topology(MPI_COMM_SELF, slab);
