@@ -60,8 +60,8 @@ def told(row):
 
 
 def judge(rows):
-    """By vertices no more than twice the steps of quads, and by edges more; and where both came to the end, by edges at
-    least thrice as far from the quads."""
+    """By vertices no more than twice the steps of quads, and by edges more; and where both came to the end, by edges
+    farther from the quads."""
     def steps(mesh):
         return {row["vertices_a_side"]: (row["steps"] + row["rejected"]) / row["simulated_s"] for row in of_mesh(rows, mesh)}
 
@@ -69,7 +69,7 @@ def judge(rows):
     locked = all(count > 2 * quads[side] for side, count in steps("triangles by edges").items())
     free = all(count < 2 * quads[side] for mesh in MESHES if mesh.endswith("by vertices") for side, count in steps(mesh).items())
     away = {(row["mesh"], row["vertices_a_side"]): row["rms_to_quads_m"] for row in rows if row["status"] == "completed"}
-    farther = all(d > 3 * away["triangles by vertices", side] for (mesh, side), d in away.items() if mesh == "triangles by edges")
+    farther = all(d > away["triangles by vertices", side] for (mesh, side), d in away.items() if mesh == "triangles by edges")
     return locked and free and farther, "\n".join(map(told, rows))
 
 
