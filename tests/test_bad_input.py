@@ -162,7 +162,7 @@ MISTAKES = [
            "taut: --set time.end=soon: time.end: expected a number in seconds, or e.g. '10 ms', found 'soon'"),
     option("petsc_option_unknown", "-- -projection_nonsense 1",
            "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
-           "-projection_ (e.g. -projection_ksp_monitor)"),
+           "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or -stiffness_"),
     option("petsc_word_without_dash", "-- nonsense", "taut: 'nonsense' behind --: what stands there are PETSc options, such "
            "as -projection_ksp_monitor"),
     option("option_unknown", "--nonsense",

@@ -29,11 +29,11 @@ void try_petsc_options(Simulation& simulation) {
   simulation.rehearse();
   const std::string unused = unused_petsc_options();
   if (!unused.empty())
-    throw InputError(
-        fmt::format("PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
-                    "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or "
-                    "-stiffness_",
-                    unused));
+    throw InputError(fmt::format(
+        "PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
+        "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or "
+        "-stiffness_",
+        unused));
 }
 
 } // namespace taut::command

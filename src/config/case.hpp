@@ -221,10 +221,10 @@ struct Air {
 };
 
 struct Time {
-  double end = 1;                           ///< s
-  double frame_rate = 30;                   ///< Hz
-  double max_step = 0.01;                   ///< s
-  double min_step = 1e-6;                   ///< s
+  double end = 1;                             ///< s
+  double frame_rate = 30;                     ///< Hz
+  double max_step = 0.01;                     ///< s
+  double min_step = 1e-6;                     ///< s
   std::optional<double> max_stretch_change{}; ///< absent: any
   Integrator integrator = Integrator::implicit_euler;
   bool operator==(const Time&) const = default;
