@@ -81,6 +81,13 @@ struct DistributedMesh {
   bool owns_edge(Local i) const { return i < edges.owned; }
 };
 
+/// The constrained edge between two local vertices of which `a` has its star here; -1 if there is none.
+inline Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
+  for (const EdgeEnd& end : mesh.star_of(a))
+    if (end.other == b) return end.edge;
+  return -1;
+}
+
 /// Sends every rank its part. Who needs no hinges may leave them out of `topology`. `owners` are those of the
 /// slab's vertices, as `partition` gives them. Collective.
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,

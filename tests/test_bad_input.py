@@ -30,6 +30,7 @@ cloth: {mesh: mesh.obj}
 pins: [{vertices: [0]}]
 time: {end: 0.02, frame_rate: 100}
 """
+BODY = "v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n"
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
 
@@ -49,6 +50,10 @@ def added(name, line, message):
 
 def mesh(name, obj, message, options=()):
     return Mistake(name, message, MESH_CASE, options=options, files={"mesh.obj": obj})
+
+
+def obstacle(name, keys, files, message):
+    return Mistake(name, message, CASE + "obstacles: [{" + keys + "}]\n", files=files)
 
 
 def pinned(name, pins, message):
@@ -123,11 +128,28 @@ MISTAKES = [
          "corners in order around it"),
     mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
          "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
+    obstacle("sequence_without_number", "mesh: body.obj, sequence: {fps: 25, frames: 2}", {"body.obj": BODY},
+             "taut: case.yaml: obstacles.0.mesh: the first mesh of a sequence needs a name that ends in a number, such as body_0001.obj; "
+             "found 'body.obj'"),
+    obstacle("sequence_with_a_gap", "mesh: body_1.obj, sequence: {fps: 25, frames: 3}", {"body_1.obj": BODY, "body_3.obj": BODY},
+             "taut: body_2.obj: no such file, or it may not be read; check its name"),
+    obstacle("sequence_of_other_faces", "mesh: body_1.obj, sequence: {fps: 25, frames: 2}",
+             {"body_1.obj": BODY, "body_2.obj": BODY + "v 1 1 -1\nf 2 4 3\n"},
+             "taut: body_2.obj: its vertices and faces are not those of body_1.obj; all meshes of a sequence need the same, only in other "
+             "places"),
+    obstacle("sequence_at_no_rate", "mesh: body_1.obj, sequence: {fps: 0, frames: 2}", {"body_1.obj": BODY},
+             "taut: case.yaml:5:48: obstacles.0.sequence.fps: 0 is out of range; it must be above 0"),
+    obstacle("sequence_of_a_sphere", "sphere: {centre: [0, 0, -1], radius: 0.1}, sequence: {fps: 25, frames: 2}", {},
+             "taut: case.yaml:5:67: obstacles.0.sequence: is of meshes; give the first as mesh"),
+    obstacle("obstacle_that_is_not_a_number", "mesh: body.obj", {"body.obj": BODY.replace("v 1 0", "v nan 0")}, "taut: body.obj:2: 'nan' is not a finite number; give every vertex a finite place"),
+    obstacle("obstacle_without_faces", "mesh: body.obj", {"body.obj": "v 0 0 -1\n"}, "taut: body.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
+    added("friction_below_zero", "contact: {friction: -0.1}\n", "taut: case.yaml:5:21: contact.friction: -0.1 is out of range; it must be at least 0"),
+    added("thickness_over_an_edge", "contact: {thickness: 1}\n", "taut: case.yaml: contact.thickness: 1 m is more than half the shortest edge (0.25 m), so that neighbours would push each other apart; give at most 0.125"),
     added("averages_of_quads", "inextensibility: {constrain: vertices}\n",
           "taut: case.yaml: inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines keep "
           "warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
           "method, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",

@@ -1,12 +1,15 @@
 // Contact below the time step: closest points, conservative advancement, the search against brute force.
 #include "src/contact/contact_search.hpp"
 #include "src/contact/intersections.hpp"
+#include "src/contact/obstacle_surface.hpp"
+#include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 
+#include <fstream>
 #include <set>
 
 namespace taut::test {
@@ -260,6 +263,31 @@ TEST(Intersections, AgreeWithSignsOfVolumes) {
     }
   EXPECT_EQ(Global(test.find(whole.from, {}).size()), expected);
   EXPECT_GT(expected, 100);
+}
+
+TEST(Obstacles, FollowTheirSequenceOfMeshes) {
+  const Folder folder;
+  if (rank_of(world) == 0)
+    for (const auto& [name, z] : {std::pair{"body_09.obj", 0.0}, {"body_10.obj", 1.0}, {"body_11.obj", 3.0}})
+      std::ofstream(folder / name) << "v 0 0 " << z << "\nv 1 0 " << z << "\nv 0 1 " << z << "\nf 1 2 3\n";
+  MPI_Barrier(world);
+  const Case input = read_case("cloth: {grid: {size: [1, 1], vertices: [3, 3]}}\n"
+                               "obstacles:\n"
+                               "  - mesh: body_09.obj\n"
+                               "    sequence: {fps: 10, frames: 3}\n"
+                               "    motion: [{time: 0}, {time: 1, translate: [2, 0, 0]}]\n",
+                               folder / "case.yaml");
+  const Obstacles obstacles(world, input);
+  ASSERT_EQ(obstacles.vertices(), 3);
+  EXPECT_EQ(obstacles.body(0).rims, 3);
+  const ObstacleSurface shown(obstacles, 1.0);
+  for (const auto& [time, z] :
+       {std::pair{0.0, 0.0}, {0.05, 0.5}, {0.1, 1.0}, {0.15, 2.0}, {0.2, 3.0}, {0.7, 3.0}}) {
+    std::vector<Vec3> at;
+    obstacles.place(time, at);
+    EXPECT_LT((at[1] - Vec3(1 + 2 * time, 0, z)).norm(), 1e-12) << time;
+    EXPECT_EQ(at, shown.at(time));
+  }
 }
 
 } // namespace

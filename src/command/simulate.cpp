@@ -44,6 +44,13 @@ int exit_code(Ending ending) {
   return internal_error;
 }
 
+void tell_of_holes(MPI_Comm comm, const Case& input, const Obstacles& obstacles) {
+  if (rank_of(comm) != 0) return;
+  for (int k = 0; k < int(input.obstacles.size()); ++k)
+    if (const Obstacles::Body& body = obstacles.body(k); body.rims > 0)
+      fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
+}
+
 void tell_why(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
   if (rank_of(comm) != 0 || outcome.completed()) return;
   fmt::print(stderr, "taut: {}\n", outcome.reason);
@@ -64,6 +71,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
   auto earlier = state.step > 0 ? frames_before(comm, out, steps.frame_after(state.time), steps)
                                 : std::vector<XdmfFrame>{};
   const Obstacles obstacles(comm, input);
+  tell_of_holes(comm, input, obstacles);
   FrameWriter frames(simulation.cloth(), obstacles, input.output.fields, out, std::move(earlier));
   StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, course.progress, steps.frames(), input.time.end);

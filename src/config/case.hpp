@@ -1,69 +1,18 @@
 #pragma once
 #include "partition/error.hpp"
 #include "partition/types.hpp"
+#include "src/config/choices.hpp"
 
 #include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 /// The case: what to simulate, as plain data in SI units. The initial value of a member is the default of its
 /// key; names, units, ranges and meanings of all keys stand in describe_*.hpp.
 namespace taut::config {
-
-enum class LinearSolver { cg, mumps };
-enum class ConstraintSolver { projected, modified_cg };
-enum class Integrator { implicit_euler, bdf2, imex };
-enum class InextensibilityMethod {
-  fast_projection,
-  icd,
-  sap,
-  shake,
-  rattle,
-  jacobi,
-  gauss_seidel,
-  xpbd,
-  springs,
-  none
-};
-enum class Constrain { edges, vertices };
-enum class ShakeMatrix { newton, lagged };
-enum class ContactModel { constraint, none };
-enum class CheckAt { frame, step, none };
-enum class GridCells { quads, triangles, alternating_triangles };
-enum class ShearModel { baraff_witkin, diagonals };
-enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
-enum class RestAngles { flat, mesh };
-enum class PartitionMethod { metis, stripes };
-enum class Field { position, velocity, owner_rank, strain, tension, reaction };
-
-/// The words of a choice in the case file, in the order of the enumerators.
-constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
-constexpr std::array<std::string_view, 3> words_of(Integrator) { return {"implicit_euler", "bdf2", "imex"}; }
-constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
-  return {"fast_projection", "icd",          "sap",  "shake",   "rattle",
-          "jacobi",          "gauss_seidel", "xpbd", "springs", "none"};
-}
-constexpr std::array<std::string_view, 2> words_of(Constrain) { return {"edges", "vertices"}; }
-constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
-constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
-constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
-constexpr std::array<std::string_view, 3> words_of(GridCells) {
-  return {"quads", "triangles", "alternating_triangles"};
-}
-constexpr std::array<std::string_view, 2> words_of(ShearModel) { return {"baraff_witkin", "diagonals"}; }
-constexpr std::array<std::string_view, 4> words_of(BendingModel) {
-  return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
-}
-constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
-constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
-constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
-constexpr std::array<std::string_view, 6> words_of(Field) {
-  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction"};
-}
 
 /// A rectangle in the plane z = 0: row i, column j is vertex i * vertices[0] + j; columns along x (warp),
 /// rows along y (weft).
@@ -181,6 +130,13 @@ struct Capsule {
   bool operator==(const Capsule&) const = default;
 };
 
+/// Numbered meshes of one body, at equal intervals of time.
+struct Sequence {
+  double fps = 25; ///< Hz
+  int frames = 2;
+  bool operator==(const Sequence&) const = default;
+};
+
 /// Something that cloth cannot pass.
 struct Obstacle {
   std::optional<std::string> name; ///< for messages
@@ -189,6 +145,7 @@ struct Obstacle {
   std::optional<Capsule> capsule;
   std::optional<Box> box;
   std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
+  std::optional<Sequence> sequence;          ///< `mesh` is its first
   double scale = 1;                          ///< m per unit of the mesh
   double thickness = 0;                      ///< m added all around
   std::optional<double> friction;            ///< against cloth; absent: that of `contact`

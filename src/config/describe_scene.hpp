@@ -87,6 +87,14 @@ void describe(V& v, Is<Capsule> auto& c) {
 }
 
 template<class V>
+void describe(V& v, Is<Sequence> auto& s) {
+  v("fps", s.fps,
+    {.unit = Unit::hertz, .range = positive, .presence = Presence::required, .meaning = "meshes a second"});
+  v("frames", s.frames,
+    {.range = at_least(2), .presence = Presence::required, .meaning = "number of meshes"});
+}
+
+template<class V>
 void describe(V& v, Is<Obstacle> auto& o) {
   v("name", o.name, {.computed_default = "its number and kind", .meaning = "how messages call it"});
   v.exactly_one({"plane", "sphere", "capsule", "box", "mesh"});
@@ -95,6 +103,11 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v("capsule", o.capsule, {.meaning = "all points near a segment"});
   v("box", o.box, {.meaning = "a box along the axes"});
   v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj or .h5), relative to the case file"});
+  v("sequence", o.sequence,
+    {.computed_default = "none",
+     .meaning =
+         "the mesh is the first of numbered files with the same faces, body_0001.obj, body_0002.obj, ...: "
+         "linear between them, the last is held"});
   v("scale", o.scale, {.range = positive, .meaning = "metres per unit of the mesh"});
   v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
   v("friction", o.friction,
@@ -102,6 +115,7 @@ void describe(V& v, Is<Obstacle> auto& o) {
      .computed_default = "`contact.friction`",
      .meaning = "Coulomb coefficient against cloth"});
   v("motion", o.motion, {.meaning = "keyframes, as of pins; none: at rest"});
+  v.check("sequence", !o.sequence || o.mesh, "is of meshes; give the first as mesh");
   v.check("motion", increasing(o.motion), "times must increase from keyframe to keyframe; sort them");
   v.check("motion",
           !o.plane || std::none_of(o.motion.begin(), o.motion.end(),

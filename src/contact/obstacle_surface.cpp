@@ -17,8 +17,8 @@ ObstacleSurface::ObstacleSurface(const Obstacles& obstacles, double plane_size) 
   for (const Element& e : obstacles.elements()) {
     const auto& v = e.vertices;
     if (e.is_triangle()) {
-      const Global a = add_vertex(start[v[0]], e.body), b = add_vertex(start[v[1]], e.body);
-      add_face(a, b, add_vertex(start[v[2]], e.body));
+      const Global a = add_vertex(start[v[0]], e.body, v[0]), b = add_vertex(start[v[1]], e.body, v[1]);
+      add_face(a, b, add_vertex(start[v[2]], e.body, v[2]));
     } else {
       add_round(start[v[0]], start[v[e.corners - 1]], obstacles.body(e.body).radius, e.body);
     }
@@ -27,9 +27,11 @@ ObstacleSurface::ObstacleSurface(const Obstacles& obstacles, double plane_size) 
 }
 
 std::vector<Vec3> ObstacleSurface::at(double time) const {
-  std::vector<Vec3> positions;
+  std::vector<Vec3> positions, corners;
+  obstacles_.place(time, corners);
   for (std::size_t v = 0; v < start_.size(); ++v)
-    positions.push_back(obstacles_.moved(body_of_[v], start_[v], time));
+    positions.push_back(vertex_of_[v] >= 0 ? corners[vertex_of_[v]]
+                                           : obstacles_.moved(body_of_[v], start_[v], time));
   return positions;
 }
 
@@ -63,8 +65,9 @@ void ObstacleSurface::add_plane(const Obstacles::Plane& plane, const Vec3& point
   add_face(a, c, d);
 }
 
-Global ObstacleSurface::add_vertex(const Vec3& x, int body) {
+Global ObstacleSurface::add_vertex(const Vec3& x, int body, Local vertex) {
   start_.push_back(x);
+  vertex_of_.push_back(vertex);
   body_of_.push_back(body);
   return Global(start_.size()) - 1;
 }

@@ -20,12 +20,13 @@ private:
   /// A round shape about the segment from `a` to `b`; a sphere if they are the same.
   void add_round(const Vec3& a, const Vec3& b, double radius, int body);
   void add_plane(const Obstacles::Plane& plane, const Vec3& point, double size);
-  Global add_vertex(const Vec3& x, int body);
+  Global add_vertex(const Vec3& x, int body, Local vertex = -1);
   void add_face(Global a, Global b, Global c);
 
   const Obstacles& obstacles_;
   std::vector<Vec3> start_;
   std::vector<int> body_of_;
+  std::vector<Local> vertex_of_; ///< the vertex of the obstacles that it is, -1 for none
   std::vector<std::array<Global, 3>> faces_;
   std::vector<std::int32_t> bodies_;
 };

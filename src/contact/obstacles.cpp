@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
-#include <set>
+#include <algorithm>
 
 namespace taut {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 /// All of `slab`, on every rank.
 template<class T>
@@ -26,6 +28,51 @@ std::vector<T> everywhere(MPI_Comm comm, const std::vector<T>& slab) {
 std::string name_of(const config::Obstacle& o, int body) {
   const char* kind = o.plane ? "plane" : o.sphere ? "sphere" : o.capsule ? "capsule" : o.box ? "box" : "mesh";
   return o.name ? *o.name : fmt::format("obstacles.{} ({})", body, kind);
+}
+
+struct WholeMesh {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<Cell> cells;
+};
+
+/// body_0001.obj, 3 -> body_0004.obj: the digits at the end of the name count on and keep their width. Empty
+/// if there are none.
+fs::path counted_on(const fs::path& first, int steps) {
+  const std::string stem = first.stem().string();
+  const std::size_t letters = stem.find_last_not_of("0123456789") + 1; // 0 if there are none
+  const std::string digits = stem.substr(letters);
+  if (digits.empty() || digits.size() > 9) return {};
+  return first.parent_path() / fmt::format("{}{:0{}}{}", stem.substr(0, letters), std::stol(digits) + steps,
+                                           digits.size(), first.extension().string());
+}
+
+bool same_faces(const WholeMesh& a, const WholeMesh& b) {
+  return a.positions.size() == b.positions.size() &&
+         std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(),
+                    [](const Cell& s, const Cell& t) { return s.vertices == t.vertices; });
+}
+
+/// All meshes of a body, whole on every rank. Collective.
+std::vector<WholeMesh> meshes_of(MPI_Comm comm, const Case& input, int body) {
+  const config::Obstacle& o = input.obstacles[body];
+  std::vector<WholeMesh> meshes;
+  for (int k = 0; k < (o.sequence ? o.sequence->frames : 1); ++k) {
+    const fs::path file = o.sequence ? counted_on(*o.mesh, k) : *o.mesh;
+    if (file.empty())
+      throw InputError(
+          fmt::format("{}: obstacles.{}.mesh: the first mesh of a sequence needs a name that ends in a "
+                      "number, such as body_0001.obj; found '{}'",
+                      input.file.string(), body, o.mesh->string()));
+    const MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale);
+    meshes.push_back({slab.name, everywhere(comm, slab.rest_positions), everywhere(comm, slab.cell)});
+    if (!same_faces(meshes.front(), meshes.back()))
+      throw InputError(
+          fmt::format("{}: its vertices and faces are not those of {}; all meshes of a sequence need the "
+                      "same, only in other places",
+                      meshes.back().name, meshes.front().name));
+  }
+  return meshes;
 }
 
 } // namespace
@@ -63,19 +110,34 @@ void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
     }
     add_triangles(triangles, body);
   } else {
-    const MeshSlab slab = read_mesh(comm, input.folder() / *o.mesh, o.scale);
-    const Local first = vertices();
-    for (const Vec3& x : everywhere(comm, slab.rest_positions)) add_vertex(body, x);
-    std::vector<std::array<Local, 3>> triangles;
-    for (const Cell& cell : everywhere(comm, slab.cell)) {
-      for (int k = 2; k < cell.size(); ++k)
-        triangles.push_back({first + Local(cell.vertices[0]), first + Local(cell.vertices[k - 1]),
-                             first + Local(cell.vertices[k])});
-    }
-    if (triangles.empty())
-      throw InputError(fmt::format("{}: an obstacle needs faces, and this mesh has none", slab.name));
-    add_triangles(triangles, body);
+    add_mesh(comm, input, body);
   }
+}
+
+void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
+  const config::Obstacle& o = inputs_[body];
+  const std::vector<WholeMesh> meshes = meshes_of(comm, input, body);
+  const Local first = vertices();
+  for (const Vec3& x : meshes.front().positions) add_vertex(body, x);
+  std::vector<std::array<Local, 3>> triangles;
+  for (const Cell& cell : meshes.front().cells)
+    for (int k = 2; k < cell.size(); ++k)
+      triangles.push_back({first + Local(cell.vertices[0]), first + Local(cell.vertices[k - 1]),
+                           first + Local(cell.vertices[k])});
+  if (triangles.empty())
+    throw InputError(fmt::format("{}: an obstacle needs faces, and this mesh has none", meshes.front().name));
+  add_triangles(triangles, body);
+  if (!o.sequence) return;
+  Frames& frames = frames_[body];
+  frames = {first, o.sequence->fps, {}};
+  for (const WholeMesh& m : meshes) frames.positions.push_back(m.positions);
+}
+
+Vec3 Obstacles::Frames::at(Local vertex, double time) const {
+  const double frame = std::min(time * fps, double(positions.size() - 1));
+  const auto before = std::min(std::size_t(frame), positions.size() - 2);
+  const double part = frame - double(before);
+  return (1 - part) * positions[before][vertex - first] + part * positions[before + 1][vertex - first];
 }
 
 Local Obstacles::add_vertex(int body, const Vec3& position) {
@@ -86,17 +148,18 @@ Local Obstacles::add_vertex(int body, const Vec3& position) {
 
 /// The first triangle that has a vertex or an edge represents it.
 void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, int body) {
-  std::set<std::pair<Local, Local>> taken; // (v, v) for a vertex
+  std::map<std::pair<Local, Local>, int> taken; // (v, v) for a vertex
   for (const auto& t : triangles) {
     Element element{t, 3, 0, std::int16_t(body)};
     for (int k = 0; k < 3; ++k) {
       const Local a = t[k], b = t[(k + 1) % 3];
-      if (taken.insert({a, a}).second) element.represents |= std::uint8_t(1u << k);
-      if (taken.insert({std::min(a, b), std::max(a, b)}).second)
-        element.represents |= std::uint8_t(1u << (3 + k));
+      if (taken[{a, a}]++ == 0) element.represents |= std::uint8_t(1u << k);
+      if (taken[std::minmax(a, b)]++ == 0) element.represents |= std::uint8_t(1u << (3 + k));
     }
     elements_.push_back(element);
   }
+  for (const auto& [ends, count] : taken)
+    if (ends.first != ends.second && count == 1) ++bodies_[body].rims;
 }
 
 Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
@@ -105,7 +168,10 @@ Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
 
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
-  for (std::size_t v = 0; v < start_.size(); ++v) positions[v] = moved(body_of_[v], start_[v], time);
+  for (Local v = 0; v < vertices(); ++v) {
+    const auto frames = frames_.find(body_of_[v]);
+    positions[v] = moved(body_of_[v], frames == frames_.end() ? start_[v] : frames->second.at(v, time), time);
+  }
 }
 
 } // namespace taut

@@ -2,6 +2,8 @@
 #include "src/config/case.hpp"
 #include "src/contact/surface.hpp"
 
+#include <map>
+
 namespace taut {
 
 /// The bodies that cloth collides with, held whole on every rank: planes, and points, segments and triangles
@@ -23,6 +25,7 @@ public:
     std::string name;
     double radius;   ///< m around its vertices, segments or triangles; the body's thickness is in it
     double friction; ///< Coulomb's coefficient against cloth
+    Global rims = 0; ///< edges of a mesh that have a triangle on one side only, as around holes
   };
 
   Local vertices() const { return Local(start_.size()); }
@@ -33,13 +36,23 @@ public:
 
   std::span<const Vec3> start() const { return start_; } ///< of all vertices, as the case gives them; m
 
-  /// Where a point of a body is at `time` that is at `start` in the case. m.
+  /// Where a point of a body is at `time` that is at `start` in the case, by its keyframes alone. m.
   Vec3 moved(int body, const Vec3& start, double time) const;
 
-  /// Where all vertices are at `time`: turned and moved by the keyframes, linear between them. m.
+  /// Where all vertices are at `time`: in the sequence of the body's meshes, if it has one, then turned and
+  /// moved by the keyframes; linear between meshes and between keyframes. m.
   void place(double time, std::vector<Vec3>& positions) const;
 
 private:
+  /// Of the vertices of one body, those from `first` on.
+  struct Frames {
+    Local first;
+    double fps;
+    std::vector<std::vector<Vec3>> positions; ///< of each mesh
+
+    Vec3 at(Local vertex, double time) const;
+  };
+  void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
   Local add_vertex(int body, const Vec3& position);
   void add_triangles(std::span<const std::array<Local, 3>> triangles, int body);
@@ -50,6 +63,7 @@ private:
   std::vector<int> body_of_;
   std::vector<Element> elements_;
   std::vector<Plane> planes_;
+  std::map<int, Frames> frames_; ///< of bodies that have a sequence
 };
 
 } // namespace taut

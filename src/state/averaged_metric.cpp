@@ -31,12 +31,6 @@ std::array<Vec2, 3> weights_of(const Corners2& m) {
           Vec2(inverse(0, 2), inverse(2, 2))};
 }
 
-Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
-  for (const EdgeEnd& end : mesh.star_of(a))
-    if (end.other == b) return end.edge;
-  return -1;
-}
-
 /// Shares that meet add up; sorted by the number that `key` gives, offsets alike.
 template<class Key>
 std::vector<std::size_t> sort_by(std::vector<Share>& shares, Local keys, const Key& key) {

@@ -36,12 +36,6 @@ WarpWeft mean_over_sides(const std::vector<std::array<Local, 4>>& sides,
   return result;
 }
 
-Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
-  for (const EdgeEnd& end : mesh.star_of(a))
-    if (end.other == b) return end.edge;
-  return -1;
-}
-
 std::vector<std::array<Local, 4>> sides_of_owned_cells(const DistributedMesh& mesh) {
   std::vector<std::array<Local, 4>> sides;
   for (const Local c : mesh.owned_cells) {

@@ -1,0 +1,59 @@
+#pragma once
+#include <array>
+#include <string_view>
+
+/// What a case can choose between, and the words for it.
+namespace taut::config {
+
+enum class LinearSolver { cg, mumps };
+enum class ConstraintSolver { projected, modified_cg };
+enum class Integrator { implicit_euler, bdf2, imex };
+enum class InextensibilityMethod {
+  fast_projection,
+  icd,
+  sap,
+  shake,
+  rattle,
+  jacobi,
+  gauss_seidel,
+  xpbd,
+  springs,
+  none
+};
+enum class Constrain { edges, vertices };
+enum class ShakeMatrix { newton, lagged };
+enum class ContactModel { constraint, none };
+enum class CheckAt { frame, step, none };
+enum class GridCells { quads, triangles, alternating_triangles };
+enum class ShearModel { baraff_witkin, diagonals };
+enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
+enum class RestAngles { flat, mesh };
+enum class PartitionMethod { metis, stripes };
+enum class Field { position, velocity, owner_rank, strain, tension, reaction };
+
+/// The words of a choice in the case file, in the order of the enumerators.
+constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
+constexpr std::array<std::string_view, 3> words_of(Integrator) { return {"implicit_euler", "bdf2", "imex"}; }
+constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
+  return {"fast_projection", "icd",          "sap",  "shake",   "rattle",
+          "jacobi",          "gauss_seidel", "xpbd", "springs", "none"};
+}
+constexpr std::array<std::string_view, 2> words_of(Constrain) { return {"edges", "vertices"}; }
+constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
+constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
+constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
+constexpr std::array<std::string_view, 3> words_of(GridCells) {
+  return {"quads", "triangles", "alternating_triangles"};
+}
+constexpr std::array<std::string_view, 2> words_of(ShearModel) { return {"baraff_witkin", "diagonals"}; }
+constexpr std::array<std::string_view, 4> words_of(BendingModel) {
+  return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
+}
+constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
+constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
+constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
+constexpr std::array<std::string_view, 6> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction"};
+}
+
+} // namespace taut::config
