@@ -127,7 +127,7 @@ MISTAKES = [
           "taut: case.yaml: inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines keep "
           "warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
           "method, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",
