@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace taut {
 
@@ -116,7 +117,7 @@ void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
 
 void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
   const config::Obstacle& o = inputs_[body];
-  const std::vector<WholeMesh> meshes = meshes_of(comm, input, body);
+  std::vector<WholeMesh> meshes = meshes_of(comm, input, body);
   const Local first = vertices();
   for (const Vec3& x : meshes.front().positions) add_vertex(body, x);
   std::vector<std::array<Local, 3>> triangles;
@@ -130,7 +131,7 @@ void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
   if (!o.sequence) return;
   Frames& frames = frames_[body];
   frames = {first, o.sequence->fps, {}};
-  for (const WholeMesh& m : meshes) frames.positions.push_back(m.positions);
+  for (WholeMesh& m : meshes) frames.positions.push_back(std::move(m.positions));
 }
 
 Vec3 Obstacles::Frames::at(Local vertex, double time) const {

@@ -200,7 +200,7 @@ void ContactProjection::project(double strain, FilterReport& report) {
     mesh.vertex_halo.update(target_.cloth);
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
-    const EdgeRows edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
+    const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
     report.linear_iterations += qp_.solve(edges, rows_, most_products).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];

@@ -16,8 +16,8 @@ ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search, Projection
     : cloth_(cloth), search_(search), system_(system), edges_(cloth.mesh.edges.owned),
       edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
-QpReport ContactQp::solve(const EdgeRows& edges, std::span<const ContactRow> rows, int most_products) {
-  edge_rows_ = &edges;
+QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products) {
+  edge_equations_ = &edges;
   rows_ = rows;
   z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
@@ -67,8 +67,8 @@ void ContactQp::spread(std::span<const double> z) {
   for (Local i = 0; i < mesh.vertices.owned; ++i) {
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : mesh.star_of(i))
-      pull += end.sign * edge_values_[end.edge] * edge_rows_->gradient[end.edge];
-    push_[i] = edge_rows_->inverse_mass[i] * edge_rows_->freedom.allowed(i, field_[i] - pull);
+      pull += end.sign * edge_values_[end.edge] * edge_equations_->gradient[end.edge];
+    push_[i] = edge_equations_->inverse_mass[i] * edge_equations_->freedom.allowed(i, field_[i] - pull);
   }
   mesh.vertex_halo.update(push_);
 }
@@ -81,9 +81,10 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
   search_.update(field_);
   for (std::size_t e = 0; e < edges_; ++e) {
     const auto& [a, b] = mesh.edge_vertices[e];
-    const bool is_fixed = edge_rows_->inverse_mass[a] + edge_rows_->inverse_mass[b] == 0;
+    const bool is_fixed = edge_equations_->inverse_mass[a] + edge_equations_->inverse_mass[b] == 0;
     result[e] =
-        is_fixed ? z[e] : edge_rows_->shift[e] * z[e] - edge_rows_->gradient[e].dot(push_[b] - push_[a]);
+        is_fixed ? z[e]
+                 : edge_equations_->shift[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
   }
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const ContactRow& row = rows_[k];

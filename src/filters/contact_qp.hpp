@@ -6,7 +6,7 @@
 namespace taut {
 
 /// The edges' part of a quadratic program: see ProjectionSystem::assemble.
-struct EdgeRows {
+struct EdgeEquations {
   std::span<const Vec3> gradient;       ///< of local edges
   std::span<const double> inverse_mass; ///< of local vertices
   const Freedom& freedom;               ///< of local vertices
@@ -28,7 +28,7 @@ public:
   ContactQp(const Cloth& cloth, const ContactSearch& search, ProjectionSystem& system);
 
   /// Multipliers' increments of [owned edges; rows]. Collective.
-  QpReport solve(const EdgeRows& edges, std::span<const ContactRow> rows, int most_products);
+  QpReport solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products);
 
   std::span<const double> edge_part() const { return {z_.data(), edges_}; }
   std::span<const double> row_part() const { return {z_.data() + edges_, z_.size() - edges_}; }
@@ -45,8 +45,8 @@ private:
   const Cloth& cloth_;
   const ContactSearch& search_;
   ProjectionSystem& system_;
-  std::size_t edges_;                   ///< owned
-  const EdgeRows* edge_rows_ = nullptr; ///< of the program in hand
+  std::size_t edges_;                             ///< owned
+  const EdgeEquations* edge_equations_ = nullptr; ///< of the program in hand
   std::span<const ContactRow> rows_;
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
   std::vector<double> row_diagonal_; ///< compliance in it
