@@ -2,7 +2,6 @@
 
 #include "src/linear/krylov.hpp"
 
-#include <algorithm>
 
 namespace taut {
 
@@ -89,15 +88,9 @@ SolveReport MetricSystem::solve(std::span<const Vec2> rhs, double tolerance, std
   Petsc& p = *petsc_;
   check(KSPSetOperators(p.solver, p.matrix, p.matrix));
   const auto size = std::size_t(2 * mesh_.vertices.owned);
-  double* values = nullptr;
-  check(VecGetArrayWrite(p.rhs, &values));
-  std::copy_n(rhs.data()->data(), size, values);
-  check(VecRestoreArrayWrite(p.rhs, &values));
+  put({reinterpret_cast<const double*>(rhs.data()), size}, p.rhs);
   const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
-  const double* solved = nullptr;
-  check(VecGetArrayRead(p.solution, &solved));
-  std::copy_n(solved, size, mu.data()->data());
-  check(VecRestoreArrayRead(p.solution, &solved));
+  take(p.solution, {reinterpret_cast<double*>(mu.data()), size});
   mesh_.vertex_halo.update(mu);
   return report;
 }

@@ -3,6 +3,7 @@
 #include <petsc/private/petscimpl.h> // PetscObjectStateIncrease
 #include <petscksp.h>
 
+#include <algorithm>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -23,6 +24,22 @@ inline void check(PetscErrorCode code) {
 /// Tells PETSc that the values behind an object changed, so that preconditioners are made anew.
 inline void mark_changed(Mat matrix) {
   check(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(matrix)));
+}
+
+/// Copies `values` into this rank's part of a vector, which is as long.
+inline void put(std::span<const double> values, Vec vector) {
+  double* to = nullptr;
+  check(VecGetArrayWrite(vector, &to));
+  std::copy(values.begin(), values.end(), to);
+  check(VecRestoreArrayWrite(vector, &to));
+}
+
+/// Copies this rank's part of a vector into `values`, which are as many.
+inline void take(Vec vector, std::span<double> values) {
+  const double* from = nullptr;
+  check(VecGetArrayRead(vector, &from));
+  std::copy_n(from, values.size(), values.begin());
+  check(VecRestoreArrayRead(vector, &from));
 }
 
 /// Calls `function(from, to)` on this rank's parts of two vectors, for PETSc's callbacks.

@@ -210,15 +210,10 @@ void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3
 SolveReport ProjectionSystem::Petsc::solve(const DistributedMesh& mesh, Mat system, std::span<const double> b,
                                            double tolerance, std::vector<double>& mu) {
   check(KSPSetOperators(solver, system, matrix));
-  double* values = nullptr;
-  check(VecGetArrayWrite(rhs, &values));
-  std::copy(b.begin(), b.begin() + mesh.edges.owned, values);
-  check(VecRestoreArrayWrite(rhs, &values));
+  const auto owned = std::size_t(mesh.edges.owned);
+  put(b.first(owned), rhs);
   const SolveReport report = solver.solve(rhs, solution, tolerance);
-  const double* solved = nullptr;
-  check(VecGetArrayRead(solution, &solved));
-  std::copy(solved, solved + mesh.edges.owned, mu.begin());
-  check(VecRestoreArrayRead(solution, &solved));
+  take(solution, std::span(mu).first(owned));
   mesh.edge_halo.update(mu);
   return report;
 }
