@@ -2,7 +2,6 @@
 
 #include "src/linear/krylov.hpp"
 
-
 namespace taut {
 
 namespace {
