@@ -52,7 +52,7 @@ public:
   void write(const std::string& name, std::span<const T> my_rows, int columns, Slab rows);
   void write(const std::string& name, std::span<const Vec3> my_rows, Slab rows); ///< shape (rows.total, 3)
 
-  /// Attribute of the file itself; every rank gives the same value.
+  /// Attribute of the file itself; the value of rank 0 counts.
   void attribute(const std::string& name, double value);
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, const std::string& value);

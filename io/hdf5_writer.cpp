@@ -113,17 +113,22 @@ void H5Writer::set_aside(Global end) {
   room_ = end;
 }
 
+/// HDF5 lets different ranks write the parts of an attribute: values that differ, as clocks do, would come
+/// out as a mixture of both, or cut off.
 void H5Writer::attribute(const std::string& name, double value) {
+  MPI_Bcast(&value, 1, MPI_DOUBLE, 0, comm_);
   write_attribute(name, &value, H5T_NATIVE_DOUBLE, sizeof value);
 }
 
 void H5Writer::attribute(const std::string& name, std::int64_t value) {
+  MPI_Bcast(&value, 1, MPI_INT64_T, 0, comm_);
   write_attribute(name, &value, H5T_NATIVE_INT64, sizeof value);
 }
 
 void H5Writer::attribute(const std::string& name, const std::string& value) {
-  const char* const text = value.c_str();
-  write_attribute(name, &text, h5::text_type().get(), value.size());
+  const std::string shared = broadcast_text(comm_, value);
+  const char* const text = shared.c_str();
+  write_attribute(name, &text, h5::text_type().get(), shared.size());
 }
 
 void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size) {

@@ -119,6 +119,22 @@ TEST(Hdf5, KeepsAttributes) {
               HasSubstr("the file has no such attribute"));
 }
 
+TEST(Hdf5, KeepsTheAttributesOfRank0) {
+  const Folder folder;
+  const int rank = rank_of(world);
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) {
+    for (int k = 0; k < 20; ++k)
+      file.attribute("text_" + std::to_string(k), std::string(20 * (k + 1) + 30 * rank, char('a' + rank)));
+    file.attribute("time", 0.1 + rank);
+    file.attribute("step", Global(rank + 7));
+  });
+  const H5Reader file(world, folder / "a.h5");
+  for (int k = 0; k < 20; ++k)
+    EXPECT_EQ(file.attribute<std::string>("text_" + std::to_string(k)), std::string(20 * (k + 1), 'a'));
+  EXPECT_EQ(file.attribute<double>("time"), 0.1);
+  EXPECT_EQ(file.attribute<std::int64_t>("step"), 7);
+}
+
 TEST(Hdf5, KnowsWhatIsThere) {
   const Folder folder;
   write_whole(world, folder / "a.h5", [&](H5Writer& file) {
