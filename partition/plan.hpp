@@ -1,6 +1,8 @@
 #pragma once
 #include "partition/comm.hpp"
 
+#include <algorithm>
+
 namespace taut {
 
 /// A fixed communication pattern: which of this rank's values go to which neighbour, and where the values of
@@ -52,6 +54,15 @@ public:
     run_reverse(source);
     const T* in = reinterpret_cast<const T*>(in_.data());
     for (std::size_t i = 0; i < send_index_.size(); ++i) target[send_index_[i]] += in[i];
+  }
+
+  /// target[send_index] = min(target[send_index], source[receive_index]).
+  template<class T>
+  void reverse_min(std::span<const T> source, std::span<T> target) const {
+    run_reverse(source);
+    const T* in = reinterpret_cast<const T*>(in_.data());
+    for (std::size_t i = 0; i < send_index_.size(); ++i)
+      target[send_index_[i]] = std::min(target[send_index_[i]], in[i]);
   }
 
   /// Gives back the memory of the messages, for a plan that is used rarely.

@@ -249,7 +249,7 @@ TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
 TEST(Summary, CountsTheStepsBeforeARunWasResumed) {
   const Case input = case_of(falling_cloth(iterative));
   Simulation whole(world, input), cut(world, input);
-  const IntersectionCheck none(whole.cloth(), input);
+  const IntersectionCheck none(whole.cloth(), whole.obstacles(), input);
   Summary all_of_it(whole, input, none, {}, MPI_Wtime()), first(cut, input, none, {}, MPI_Wtime());
   run_to_the_end(whole, all_of_it);
   Observer* const observers[] = {&first};

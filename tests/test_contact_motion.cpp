@@ -1,10 +1,14 @@
 // Contact in the time step: the quadratic program, friction, and what a run with contact promises.
 #include "src/linear/bounded_qp.hpp"
 #include "src/time/intersection_check.hpp"
+#include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
 
 namespace taut::test {
 namespace {
@@ -96,7 +100,7 @@ Slid slide(double angle, double friction) {
   turned.cloth.start.rotate = {Vec3::UnitY(), angle};
   turned.cloth.start.translate = start;
   Simulation simulation(world, turned);
-  IntersectionCheck check(simulation.cloth(), turned);
+  IntersectionCheck check(simulation.cloth(), simulation.obstacles(), turned);
   const auto centre = [&] {
     std::array<double, 3> sum{};
     for (Local i = 0; i < simulation.cloth().mesh.vertices.owned; ++i)
@@ -158,7 +162,7 @@ constexpr const char* heap =
 TEST(ContactProjection, HoldsStrainAndNeverIntersects) {
   const Case input = case_of(heap);
   Simulation simulation(world, input);
-  IntersectionCheck check(simulation.cloth(), input);
+  IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
   Recorder record(simulation);
   Observer* const observers[] = {&check, &record};
   const Outcome outcome = simulation.run(observers);
@@ -217,8 +221,15 @@ TEST(IntersectionCheck, RefusesACrossedStart) {
   const Case input =
       case_of(std::string(patch) + "obstacles: [{sphere: {centre: [0.05, 0.05, 0], radius: 0.02}}]\n");
   Simulation simulation(world, input);
-  IntersectionCheck check(simulation.cloth(), input);
-  EXPECT_THROW(check.refuse(simulation.state()), InputError);
+  IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
+  const Folder folder;
+  EXPECT_THROW(check.refuse(simulation.state(), folder / "some/findings.vtp"), InputError);
+  EXPECT_GT(check.count(), 0);
+  std::ostringstream read;
+  read << std::ifstream(folder / "some/findings.vtp").rdbuf();
+  const std::string text = read.str();
+  EXPECT_THAT(text, HasSubstr(fmt::format("NumberOfPoints=\"{}\"", check.count())));
+  EXPECT_THAT(text, HasSubstr("Name=\"obstacle\""));
 }
 
 } // namespace

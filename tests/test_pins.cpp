@@ -48,6 +48,19 @@ Vec3 sum_of(const std::vector<Vec3>& forces) {
 
 } // namespace
 
+TEST(Pins, OfARangeAreThoseOfTheList) {
+  const auto drop = [](const std::string& pin) {
+    Simulation simulation(world,
+                          case_of(sheet + "pins: [{" + pin + "}]\ntime: {end: 0.05, frame_rate: 20}\n"));
+    Recorder record(simulation);
+    run_to_the_end(simulation, record);
+    return record.positions.back();
+  };
+  EXPECT_EQ(drop("range: [3, 6]"), drop("vertices: [3, 4, 5, 6]"));
+  EXPECT_THROW(drop("range: [3, 30]"), InputError);
+  EXPECT_THROW(drop("range: [6, 3]"), InputError);
+}
+
 // The change of momentum in a step is h times weight and pin forces, whatever else goes on inside the cloth.
 TEST(PinForces, AndTheWeightChangeTheMomentum) {
   for (const std::string& solver :

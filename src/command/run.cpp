@@ -10,7 +10,9 @@ int run(MPI_Comm comm, const RunOptions& options) {
   Simulation simulation(comm, input);
   if (options.source.has_petsc_options) try_petsc_options(simulation);
   const auto out = options.out.empty() ? std::filesystem::path("out") / input.name : options.out;
-  if (input.has_contact()) IntersectionCheck(simulation.cloth(), input).refuse(simulation.state());
+  if (input.has_contact())
+    IntersectionCheck(simulation.cloth(), simulation.obstacles(), input)
+        .refuse(simulation.state(), std::filesystem::path(out) += ".findings.vtp");
   make_run_folder(comm, out, input.file, options.existing);
   announce(comm, simulation, input, out);
   return simulate(comm, input, simulation, {out, options.progress, began, {}});

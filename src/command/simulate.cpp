@@ -70,12 +70,11 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
 
   auto earlier = state.step > 0 ? frames_before(comm, out, steps.frame_after(state.time), steps)
                                 : std::vector<XdmfFrame>{};
-  const Obstacles obstacles(comm, input);
-  tell_of_holes(comm, input, obstacles);
-  FrameWriter frames(simulation.cloth(), obstacles, input.output.fields, out, std::move(earlier));
+  tell_of_holes(comm, input, simulation.obstacles());
+  FrameWriter frames(simulation.cloth(), simulation.obstacles(), input, out, std::move(earlier));
   StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, course.progress, steps.frames(), input.time.end);
-  IntersectionCheck intersections(simulation.cloth(), input);
+  IntersectionCheck intersections(simulation.cloth(), simulation.obstacles(), input);
   Summary summary(simulation, input, intersections, course.totals, course.began);
   Checkpointer checkpoints(simulation, summary, frames, input.checkpoint, out, text);
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
@@ -85,8 +84,11 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
 
   checkpoints.write();
   if (const Global found = summary.totals(0).intersections; outcome.completed() && found > 0)
-    outcome = {Ending::failed, fmt::format("{} intersections were found in the result; the first: {}", found,
-                                           intersections.first())};
+    outcome = {
+        Ending::failed,
+        fmt::format("{} intersections were found in the result; the first: {}; those found then are in {}",
+                    found, intersections.first(), (out / "findings.vtp").string())};
+  if (intersections.count() > 0) write_text_whole(comm, out / "findings.vtp", intersections.findings());
   write_text_whole(comm, out / "summary.json",
                    summary.text(outcome, frames.frames(), checkpoints.output_seconds()));
   tell_why(comm, outcome, out);
@@ -98,7 +100,7 @@ namespace {
 void warn_of_locking(const Simulation& simulation) {
   const config::Inextensibility& limits = simulation.inextensibility();
   if (!simulation.cloth().mesh.triangles_only || limits.constrain != config::Constrain::edges ||
-      !config::holds_limit(limits))
+      !simulation.strain_limit())
     return;
   fmt::print(stderr,
              "taut: warning: a mesh of triangles locks if all its edges keep their lengths: it folds only "

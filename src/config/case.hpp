@@ -100,7 +100,8 @@ struct Keyframe {
 };
 
 struct Pin {
-  std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, box and near is there
+  std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, range, box and near is there
+  std::optional<std::array<int, 2>> range;     ///< the first and the last vertex
   std::optional<Box> box;
   std::optional<std::vector<Vec3>> near; ///< m
   std::optional<Vec3> along;             ///< free to slide along this axis, of any length
@@ -153,12 +154,27 @@ struct Obstacle {
   bool operator==(const Obstacle&) const = default;
 };
 
+/// Of model impulse.
+struct Impulse {
+  FilterOrder order = FilterOrder::contact_last;
+  bool operator==(const Impulse&) const = default;
+};
+
+/// Of model penalty.
+struct Penalty {
+  std::optional<double> stiffness; ///< N/m; absent: see PenaltySprings
+  double damping = 1e-3;           ///< s, times the stiffness
+  bool operator==(const Penalty&) const = default;
+};
+
 struct Contact {
   ContactModel model = ContactModel::constraint;
   std::optional<double> thickness; ///< m kept between midsurfaces; absent: see ContactProjection
   double friction = 0.3;           ///< Coulomb's coefficient of cloth on cloth
   int max_iterations = 30;
   CheckAt check = CheckAt::frame;
+  std::optional<Impulse> impulse; ///< the blocks of single models; absent: their defaults
+  std::optional<Penalty> penalty;
   bool operator==(const Contact&) const = default;
 };
 
@@ -247,8 +263,8 @@ struct Checkpoint {
 };
 
 struct Output {
-  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank,
-                            Field::strain,   Field::tension,  Field::reaction};
+  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
+                            Field::tension,  Field::reaction, Field::contact};
   bool operator==(const Output&) const = default;
 };
 
@@ -271,9 +287,11 @@ struct Case {
   config::Checkpoint checkpoint;
   config::Output output;
 
-  bool has_contact() const {
-    return contact ? contact->model != config::ContactModel::none : !obstacles.empty();
+  config::ContactModel contact_model() const {
+    if (contact) return contact->model;
+    return obstacles.empty() ? config::ContactModel::none : config::ContactModel::constraint;
   }
+  bool has_contact() const { return contact_model() != config::ContactModel::none; }
 
   std::filesystem::path file; ///< not a key: the case file, for messages and for the paths in it
   std::filesystem::path folder() const { return file.parent_path(); } ///< empty is the working folder

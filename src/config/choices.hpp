@@ -22,14 +22,15 @@ enum class InextensibilityMethod {
 };
 enum class Constrain { edges, vertices };
 enum class ShakeMatrix { newton, lagged };
-enum class ContactModel { constraint, none };
+enum class ContactModel { constraint, impulse, penalty, none };
+enum class FilterOrder { contact_last, contact_first };
 enum class CheckAt { frame, step, none };
 enum class GridCells { quads, triangles, alternating_triangles };
 enum class ShearModel { baraff_witkin, diagonals };
 enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
 enum class RestAngles { flat, mesh };
 enum class PartitionMethod { metis, stripes };
-enum class Field { position, velocity, owner_rank, strain, tension, reaction };
+enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -40,7 +41,10 @@ constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
 }
 constexpr std::array<std::string_view, 2> words_of(Constrain) { return {"edges", "vertices"}; }
 constexpr std::array<std::string_view, 2> words_of(ShakeMatrix) { return {"newton", "lagged"}; }
-constexpr std::array<std::string_view, 2> words_of(ContactModel) { return {"constraint", "none"}; }
+constexpr std::array<std::string_view, 4> words_of(ContactModel) {
+  return {"constraint", "impulse", "penalty", "none"};
+}
+constexpr std::array<std::string_view, 2> words_of(FilterOrder) { return {"contact_last", "contact_first"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(GridCells) {
   return {"quads", "triangles", "alternating_triangles"};
@@ -52,8 +56,8 @@ constexpr std::array<std::string_view, 4> words_of(BendingModel) {
 constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
 constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
 constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
-constexpr std::array<std::string_view, 6> words_of(Field) {
-  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction"};
+constexpr std::array<std::string_view, 7> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction", "contact"};
 }
 
 } // namespace taut::config

@@ -48,12 +48,20 @@ void describe(V& v, Is<Case> auto& c) {
   v.check("time", c.time.integrator != Integrator::bdf2 || !c.has_contact(),
           "integrator bdf2 does not go with contact, as its steps begin beside the path of the cloth; choose "
           "implicit_euler or imex");
+  v.check(
+      "inextensibility",
+      c.inextensibility.method == InextensibilityMethod::fast_projection ||
+          c.contact_model() != ContactModel::constraint,
+      "contact.model constraint goes with method fast_projection only, of which it is a part; choose that "
+      "method, or contact.model: impulse, penalty or none");
+  v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
+          "method xpbd knows no contact; choose another, or contact.model: none");
   v.check("inextensibility",
-          c.inextensibility.method == InextensibilityMethod::fast_projection || !c.has_contact(),
-          "contact goes with method fast_projection only, of which it is a part; choose that method, or "
-          "contact.model: none");
-  v.check("inextensibility", c.inextensibility.constrain != Constrain::vertices || !c.has_contact(),
-          "contact goes with constrain: edges only; choose that, or contact.model: none");
+          c.inextensibility.constrain != Constrain::vertices || c.contact_model() != ContactModel::constraint,
+          "contact.model constraint goes with constrain: edges only; choose that, or contact.model: impulse, "
+          "penalty or none");
+  v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
+          "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
   v.check(
       "inextensibility",
       c.inextensibility.solver != LinearSolver::mumps ||

@@ -42,8 +42,9 @@ inline bool increasing(const std::vector<Keyframe>& motion) {
 
 template<class V>
 void describe(V& v, Is<Pin> auto& p) {
-  v.exactly_one({"vertices", "box", "near"});
+  v.exactly_one({"vertices", "range", "box", "near"});
   v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
+  v("range", p.range, {.range = not_negative, .meaning = "numbers of the first and the last vertex"});
   v("box", p.box, {.meaning = "all vertices whose start position is inside"});
   v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
   v("along", p.along, {.meaning = "axis along which the vertices may slide; none: they are held"});
@@ -57,6 +58,7 @@ void describe(V& v, Is<Pin> auto& p) {
      .computed_default = "never",
      .meaning = "when the pin lets go"});
   v.check("vertices", !p.vertices || !p.vertices->empty(), "must not be empty; a pin holds something");
+  v.check("range", !p.range || (*p.range)[0] <= (*p.range)[1], "must rise: the first vertex, then the last");
   v.check("near", !p.near || !p.near->empty(), "must not be empty; a pin holds something");
   v.check("along", !p.along || !p.along->isZero(0), "must not be zero; a line needs a direction");
   v.check("plane", !p.plane || !p.plane->isZero(0), "must not be zero; a plane needs a normal");
@@ -124,8 +126,30 @@ void describe(V& v, Is<Obstacle> auto& o) {
 }
 
 template<class V>
+void describe(V& v, Is<Impulse> auto& i) {
+  v("order", i.order,
+    {.meaning =
+         "which filter has the last word: with contact_last no intersection comes about, and strain is "
+         "what it comes to be; with contact_first the other way round"});
+}
+
+template<class V>
+void describe(V& v, Is<Penalty> auto& p) {
+  v("stiffness", p.stiffness,
+    {.unit = Unit::newton_per_metre,
+     .range = positive,
+     .computed_default = "500 times the weight of a vertex over the thickness",
+     .meaning = "of a spring between two features nearer than the thickness"});
+  v("damping", p.damping,
+    {.unit = Unit::second, .range = not_negative, .meaning = "of these springs, times their stiffness"});
+}
+
+template<class V>
 void describe(V& v, Is<Contact> auto& c) {
-  v("model", c.model, {.meaning = "constraint: within the projection, never an intersection; none: off"});
+  v("model", c.model,
+    {.meaning =
+         "constraint: within the projection, never an intersection; impulse: repulsions, impulses and "
+         "impact zones, a filter of its own; penalty: stiff springs between what comes too near; none: off"});
   v("thickness", c.thickness,
     {.unit = Unit::metre,
      .range = positive,
@@ -135,6 +159,10 @@ void describe(V& v, Is<Contact> auto& c) {
   v("max_iterations", c.max_iterations,
     {.range = at_least(1), .meaning = "projections with contact before a step is rejected"});
   v("check", c.check, {.meaning = "when the result is tested for intersections"});
+  v("impulse", c.impulse, {.computed_default = "its defaults", .meaning = "of model impulse"});
+  v("penalty", c.penalty, {.computed_default = "its defaults", .meaning = "of model penalty"});
+  v.check("impulse", !c.impulse || c.model == ContactModel::impulse, "is of model impulse only; remove it");
+  v.check("penalty", !c.penalty || c.model == ContactModel::penalty, "is of model penalty only; remove it");
 }
 
 template<class V>

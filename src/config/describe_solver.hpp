@@ -77,7 +77,8 @@ template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("constrain", i.constrain,
-    {.computed_default = "vertices on triangles alone, with fast_projection and no contact; else edges",
+    {.computed_default =
+         "vertices on triangles alone, with fast_projection and no contact.model constraint; else edges",
      .meaning =
          "what keeps its length: every edge, which locks meshes of triangles, or on these warp and weft "
          "averaged at every vertex"});

@@ -18,17 +18,25 @@ constexpr bool is_limiting(InextensibilityMethod m) {
 /// It changes the candidate of a step, and so knows the tension that the next one can start from.
 constexpr bool is_filter(InextensibilityMethod m) { return is_projection(m) || is_limiting(m); }
 
+/// Contact changes velocities after whatever keeps the strain.
+inline bool contact_is_last(const Case& input) {
+  if (input.contact_model() != ContactModel::impulse) return false;
+  return input.contact->impulse.value_or(Impulse{}).order == FilterOrder::contact_last;
+}
+
 /// No step is accepted whose strain is over the limit. Otherwise the strain is what it comes to be, and is
 /// reported.
-inline bool holds_limit(const Inextensibility& i) {
-  return is_projection(i.method) ||
-         (is_limiting(i.method) && i.limiting.value_or(Limiting{}).must_reach_limit);
+inline bool holds_limit(const Case& input) {
+  const Inextensibility& i = input.inextensibility;
+  const bool keeps =
+      is_projection(i.method) || (is_limiting(i.method) && i.limiting.value_or(Limiting{}).must_reach_limit);
+  return keeps && !contact_is_last(input);
 }
 
 /// What the strain limit holds for, on a mesh of triangles alone or on another.
 inline Constrain constrain_of(const Case& input, bool triangles_only) {
-  const bool can_average =
-      input.inextensibility.method == InextensibilityMethod::fast_projection && !input.has_contact();
+  const bool can_average = input.inextensibility.method == InextensibilityMethod::fast_projection &&
+                           input.contact_model() != ContactModel::constraint;
   return input.inextensibility.constrain.value_or(triangles_only && can_average ? Constrain::vertices
                                                                                 : Constrain::edges);
 }

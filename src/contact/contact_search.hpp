@@ -37,6 +37,12 @@ public:
   /// Adds what ghosts hold to their owners. Collective over neighbours.
   void accumulate(std::vector<Vec3>& field) const { plan_.reverse_add<Vec3>(field, field); }
 
+  /// Between own vertices and ghosts; valid until the next search.
+  const Plan& plan() const { return plan_; }
+
+  /// Leaves the least of what ghosts hold and their owner holds to the owner. Collective over neighbours.
+  void take_least(std::vector<double>& field) const { plan_.reverse_min<double>(field, field); }
+
 private:
   void meet_features(const Element& a, const Element& b, double reach);
   void try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& vertices, double reach);

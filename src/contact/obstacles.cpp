@@ -167,6 +167,23 @@ Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
   return place_at(inputs_[body].motion, start, time);
 }
 
+Mat3 Obstacles::turned(int body, double from, double to) const {
+  const auto rotation = [&](double time) {
+    const Vec3 origin = moved(body, Vec3::Zero(), time);
+    Mat3 r;
+    for (int k = 0; k < 3; ++k) r.col(k) = moved(body, Vec3::Unit(k), time) - origin;
+    return r;
+  };
+  return rotation(to) * rotation(from).transpose();
+}
+
+std::vector<Mat3> Obstacles::spins(double from, double to) const {
+  std::vector<Mat3> spins;
+  for (int body = 0; body < bodies(); ++body)
+    spins.push_back(bodies_[body].radius * (turned(body, from, to) - Mat3::Identity()));
+  return spins;
+}
+
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
   for (Local v = 0; v < vertices(); ++v) {

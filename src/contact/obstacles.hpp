@@ -31,6 +31,7 @@ public:
   Local vertices() const { return Local(start_.size()); }
   std::span<const Element> elements() const { return elements_; }
   std::span<const Plane> planes() const { return planes_; }
+  int bodies() const { return int(bodies_.size()); }
   const Body& body(int k) const { return bodies_[k]; }
   bool empty() const { return bodies_.empty(); }
 
@@ -38,6 +39,13 @@ public:
 
   /// Where a point of a body is at `time` that is at `start` in the case, by its keyframes alone. m.
   Vec3 moved(int body, const Vec3& start, double time) const;
+
+  /// The rotation of a body from one time to another, by its keyframes.
+  Mat3 turned(int body, double from, double to) const;
+
+  /// How far the surfaces of all bodies turn away under their vertices, segments and triangles: for a body of
+  /// the radius r, a place of its surface in the direction n from these moves by r S n in excess of them.
+  std::vector<Mat3> spins(double from, double to) const;
 
   /// Where all vertices are at `time`: in the sequence of the body's meshes, if it has one, then turned and
   /// moved by the keyframes; linear between meshes and between keyframes. m.

@@ -19,7 +19,8 @@ struct ContactRow {
   double guess;        ///< of the multiplier's increment
   ContactKey key;
   bool is_normal;
-  double friction = 0; ///< Coulomb coefficient, of a normal row
+  double friction = 0;    ///< Coulomb coefficient, of a normal row
+  std::int16_t body = -1; ///< the obstacle, of a normal row
 };
 
 /// The features of a pair that are in play at its closest points, those with a weight.

@@ -1,4 +1,6 @@
 #include "src/filters/contact_projection.hpp"
+
+#include "src/contact/thickness.hpp"
 #include "src/state/strain_gauge.hpp"
 
 #include <Eigen/Geometry>
@@ -22,18 +24,6 @@ SolverOptions solver_options(const config::Inextensibility& options) {
           1000};
 }
 
-double shortest_edge(const Cloth& cloth) {
-  double shortest = HUGE_VAL;
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) shortest = std::min(shortest, cloth.rest_length[e]);
-  return -max_over(cloth.mesh.comm, -shortest);
-}
-
-double mean_edge(const Cloth& cloth) {
-  double sum = 0;
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) sum += cloth.rest_length[e];
-  return sum_over(cloth.mesh.comm, sum) / double(std::max<Global>(1, cloth.mesh.edges.total));
-}
-
 /// The gap that the safe iterate must keep while it moves.
 double floor_of(double gap, double thickness) {
   return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
@@ -41,24 +31,18 @@ double floor_of(double gap, double thickness) {
 
 } // namespace
 
-ContactProjection::ContactProjection(const Cloth& cloth, const Case& input, double weight)
+ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstacles, const Case& input,
+                                     double weight)
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
-      contact_(input.contact.value_or(config::Contact{})), obstacles_(comm_, input),
-      search_(cloth, obstacles_), system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_),
-      thickness_(contact_.thickness.value_or(0.1 * mean_edge(cloth))),
+      contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
+      system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_),
+      thickness_(contact_thickness(cloth, input)),
       compliance_(
           limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
       inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
       residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
-      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {
-  const double most = 0.5 * shortest_edge(cloth);
-  if (thickness_ > most)
-    throw InputError(
-        fmt::format("{}: contact.thickness: {:.4g} m is more than half the shortest edge "
-                    "({:.4g} m), so that neighbours would push each other apart; give at most {:.4g}",
-                    input.file.string(), thickness_, 2 * most, most));
-}
+      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {}
 
 FilterReport ContactProjection::apply(const State& start, double dt, const Freedom& freedom,
                                       Candidate& candidate) {
@@ -133,6 +117,7 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   for (std::size_t i = 0; i < start_.cloth.size(); ++i)
     target_.cloth[i] = start.positions[i] + dt * candidate.velocities[i];
   obstacles_.place(start.time + dt, target_.obstacles);
+  spins_ = obstacles_.spins(start.time, start.time + dt);
   freedom_ = &freedom;
   for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
     inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];

@@ -30,9 +30,9 @@ namespace taut {
 /// Without a contact in reach it is Fast Projection, to the last digit.
 class ContactProjection : public VelocityFilter {
 public:
-  /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Throws InputError for what is
-  /// wrong with obstacles and thickness. Collective.
-  ContactProjection(const Cloth& cloth, const Case& input, double weight);
+  /// `cloth` and `obstacles` must outlive the filter; `weight` is that of the whole cloth in N. Throws
+  /// InputError for a thickness that the mesh cannot have. Collective.
+  ContactProjection(const Cloth& cloth, const Obstacles& obstacles, const Case& input, double weight);
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
@@ -69,7 +69,7 @@ private:
   const Cloth& cloth_;
   config::Inextensibility limits_;
   config::Contact contact_;
-  Obstacles obstacles_;
+  const Obstacles& obstacles_;
   ContactSearch search_;
   ProjectionSystem system_;
   ContactQp qp_;
@@ -82,7 +82,8 @@ private:
   int iteration_ = 0;
   Global contacts_ = 0; ///< normal rows over all ranks
   Scene start_, safe_, target_;
-  Scene searched_; ///< the target of the last search
+  std::vector<Mat3> spins_; ///< m, of the obstacles over the step
+  Scene searched_;          ///< the target of the last search
   std::vector<Vec3> start_field_, safe_field_, target_field_;
   std::vector<Vec3> mobility_;       ///< 1/kg, in the first component, as a contact field
   std::vector<Approach> approaches_; ///< of the pairs, at `safe_`

@@ -21,13 +21,14 @@ Pressed ContactProjection::before(const ContactKey& key) const {
   return found == pressed_before_.end() ? Pressed{} : found->second.scaled(dt_ * dt_);
 }
 
-/// Of the contacts with rows: what has pressed them so far, and what of it lasts (per dt^2, newtons); the
-/// latter also as forces on vertices.
+/// Of the contacts with rows: what has pressed them so far, and what of it lasts (per dt^2, newtons); both
+/// also as forces on vertices.
 void ContactProjection::note_contact_forces(Candidate& candidate) {
   noted_.clear();
   candidate.contact_force.assign(candidate.contact_force.size(), Vec3::Zero());
+  candidate.pressing.assign(candidate.pressing.size(), Vec3::Zero());
   if (contacts_ == 0) return;
-  std::vector<Vec3> forces(search_.size(), Vec3::Zero());
+  std::vector<Vec3> lasting_forces(search_.size(), Vec3::Zero()), all_forces = lasting_forces;
   for (const ContactRow& row : rows_) {
     if (!row.is_normal) continue;
     const Pressed now = pressed_[row.key].scaled(1 / (dt_ * dt_));
@@ -35,11 +36,15 @@ void ContactProjection::note_contact_forces(Candidate& candidate) {
     const auto found = pressed_before_.find(row.key);
     const Pressed carried = found == pressed_before_.end() ? Pressed{} : lasting(found->second, now);
     noted_[row.key] = {now, carried};
-    for (int i = 0; i < 4; ++i)
-      forces[row.vertices[i]] += row.weights[i] * (carried.normal * row.direction + carried.tangent);
+    for (int i = 0; i < 4; ++i) {
+      lasting_forces[row.vertices[i]] += row.weights[i] * (carried.normal * row.direction + carried.tangent);
+      all_forces[row.vertices[i]] += row.weights[i] * (now.normal * row.direction + now.tangent);
+    }
   }
-  search_.accumulate(forces);
-  std::copy(forces.begin(), forces.begin() + search_.own(), candidate.contact_force.begin());
+  search_.accumulate(lasting_forces);
+  search_.accumulate(all_forces);
+  std::copy_n(lasting_forces.begin(), search_.own(), candidate.contact_force.begin());
+  std::copy_n(all_forces.begin(), search_.own(), candidate.pressing.begin());
   cloth_.mesh.vertex_halo.update(candidate.contact_force);
 }
 
@@ -90,6 +95,7 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   const ContactKey key = key_of(pair, here, search_.keys());
   rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap, 0.0, HUGE_VAL,
                    gap_left * fall_, 0.0, key, true});
+  rows_.back().body = pair.body;
   rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
 }
 
@@ -113,6 +119,7 @@ void ContactProjection::add_friction_rows(const ContactRow& normal) {
   Vec3 slip = Vec3::Zero();
   for (int i = 0; i < 4; ++i)
     slip += normal.weights[i] * (target_field_[normal.vertices[i]] - start_field_[normal.vertices[i]]);
+  if (normal.body >= 0) slip -= spins_[normal.body] * normal.direction;
   slip -= normal.direction.dot(slip) * normal.direction;
   const auto now = pressed_.find(normal.key);
   const Vec3 rubbed = now == pressed_.end() ? Vec3(Vec3::Zero()) : now->second.tangent;

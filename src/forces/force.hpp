@@ -6,7 +6,8 @@
 
 namespace taut {
 
-/// Something that pushes on the cloth. A force sees one rank's part and communicates nothing.
+/// Something that pushes on the cloth. A force sees one rank's part; only one that looks for contacts
+/// communicates, so all ranks ask all forces in the same order.
 class Force {
 public:
   virtual ~Force() = default;

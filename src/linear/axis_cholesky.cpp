@@ -74,6 +74,9 @@ void AxisCholesky::collect(const VertexMatrix& matrix) {
         if (r.vertices[b] < row) *entry(row, r.vertices[b]) += r.gradient[a].dot(r.gradient[b]) / 3.0;
     }
   });
+  if (!matrix.has_far()) return;
+  for (Local row = 0; row < pattern_.rows(); ++row)
+    diagonal_[row] += matrix.far_diagonal_blocks()[row].trace() / 3.0;
 }
 
 void AxisCholesky::leave_out(const Freedom& freedom) {

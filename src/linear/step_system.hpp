@@ -82,6 +82,9 @@ public:
     matrix_.add_rank_one(vertices, gradient);
   }
 
+  /// A += the terms, whose gradients hold the factors of the step already.
+  void set_far(FarTerms terms) { matrix_.set_far(std::move(terms)); }
+
   /// h (f - D v) of owned vertices, of what was added since `start_explicit`; inertia must not have been. `v`
   /// over local vertices, ghosts current; `impulse` too, of which the owned part is meaningful.
   void explicit_impulse(std::span<const Vec3> v, std::span<Vec3> impulse) const {

@@ -8,6 +8,7 @@ void VertexMatrix::clear() {
   std::fill(values_.begin(), values_.end(), 0.0);
   rank_ones_.clear();
   wide_rank_ones_.clear();
+  far_.reset();
 }
 
 void VertexMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
@@ -31,6 +32,7 @@ void VertexMatrix::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
     for (std::size_t a = 0; a < n; ++a) s += r.gradient[a].dot(x[r.vertices[a]]);
     for (std::size_t a = 0; a < n; ++a) y[r.vertices[a]] += s * r.gradient[a];
   });
+  if (far_) far_->add_product(x, y);
 }
 
 void VertexMatrix::diagonal_blocks(std::span<Mat3> blocks) const {
@@ -40,6 +42,8 @@ void VertexMatrix::diagonal_blocks(std::span<Mat3> blocks) const {
     for (std::size_t a = 0; a < r.vertices.size(); ++a)
       if (r.vertices[a] < pattern_.rows()) blocks[r.vertices[a]] += r.gradient[a] * r.gradient[a].transpose();
   });
+  if (!far_) return;
+  for (Local row = 0; row < pattern_.rows(); ++row) blocks[row] += far_->diagonal_blocks()[row];
 }
 
 } // namespace taut

@@ -1,5 +1,8 @@
 #pragma once
+#include "src/linear/far_terms.hpp"
 #include "src/linear/pattern.hpp"
+
+#include <optional>
 
 namespace taut {
 
@@ -12,7 +15,7 @@ namespace taut {
 /// over at most six vertices for every energy or dissipation of one scalar condition (shear, drag, stretch,
 /// folding, contact). It takes a quarter of the memory of its 3 x 3 blocks, and a product with it a quarter
 /// of the time. Rows of owned vertices, columns of local ones; filled anew for every step, without
-/// communication.
+/// communication. Terms between vertices that are not neighbours are kept apart, as FarTerms.
 class VertexMatrix {
 public:
   /// Vertices all different; unused places repeat one and hold a zero gradient. Most conditions have four
@@ -55,6 +58,11 @@ public:
     wide_rank_ones_.push_back({vertices, gradient});
   }
 
+  /// A += the terms, in place of those set before.
+  void set_far(FarTerms terms) { far_ = std::move(terms); }
+  bool has_far() const { return far_.has_value(); }
+  std::span<const Mat3> far_diagonal_blocks() const { return far_->diagonal_blocks(); }
+
   const Pattern& pattern() const { return pattern_; }
   std::span<const double> values() const { return values_; } ///< of B, in the pattern's order
 
@@ -66,7 +74,7 @@ public:
   }
 
   /// y = A x: `x` over local vertices with current ghosts; of `y`, over local vertices, the owned part is
-  /// meaningful.
+  /// meaningful. Collective over neighbours if there are far terms.
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
   /// The 3 x 3 blocks on the diagonal, of owned vertices.
@@ -77,6 +85,7 @@ private:
   std::vector<double> values_;
   std::vector<RankOne> rank_ones_;
   std::vector<WideRankOne> wide_rank_ones_;
+  std::optional<FarTerms> far_;
 };
 
 } // namespace taut

@@ -26,6 +26,7 @@ struct State {
   std::vector<double> pulled{};      ///< N, of local edges: by the projections with contact of the last step
   ContactMemory contacts{};          ///< of the last step, at their homes
   std::vector<Vec3> reaction{};      ///< N, of owned vertices: with what their pin acts on them
+  std::vector<Vec3> pressing{};      ///< N, of owned vertices: what contacts press and rub, for pictures
 
   /// The step before, for bdf2; empty where there was none, and for the other integrators.
   std::vector<Vec3> previous_positions{}, previous_velocities{};
@@ -59,6 +60,7 @@ struct Candidate {
   std::vector<double> pulled{}; ///< zero, and no contacts, unless a filter says otherwise
   ContactMemory contacts{};
   std::vector<Vec3> reaction{};       ///< N, of owned vertices: with what their pin acts on them
+  std::vector<Vec3> pressing{};       ///< N, of owned vertices; zero unless something presses
   std::vector<Vec3> end_velocities{}; ///< those at the end, where they are others; else empty
 };
 

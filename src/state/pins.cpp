@@ -57,6 +57,12 @@ Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point
   return max_over(cloth.mesh.comm, mine) == mine && vertex >= 0 && best == least ? vertex : -1;
 }
 
+void require_vertex(const IndexMap& map, Global v, const std::string& key) {
+  if (v < 0 || v >= map.total)
+    throw InputError(fmt::format("{}: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
+                                 v, map.total));
+}
+
 std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::span<const Vec3> start,
                                const std::string& key) {
   const IndexMap& map = cloth.mesh.vertices;
@@ -67,16 +73,15 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::
     return found;
   }
   std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
-  for (const Global v : wanted)
-    if (v < 0 || v >= map.total)
-      throw InputError(
-          fmt::format("{}.vertices: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
-                      v, map.total));
+  for (const Global v : wanted) require_vertex(map, v, key + ".vertices");
+  if (pin.range) require_vertex(map, (*pin.range)[1], key + ".range");
   std::sort(wanted.begin(), wanted.end());
   for (Local i = 0; i < map.owned; ++i) {
     const bool inside = pin.box && (start[i].array() >= pin.box->min.array()).all() &&
                         (start[i].array() <= pin.box->max.array()).all();
-    if (inside || std::binary_search(wanted.begin(), wanted.end(), map.original[i])) found.push_back(i);
+    const Global v = map.original[i];
+    const bool in_range = pin.range && v >= (*pin.range)[0] && v <= (*pin.range)[1];
+    if (inside || in_range || std::binary_search(wanted.begin(), wanted.end(), v)) found.push_back(i);
   }
   if (sum_over(cloth.mesh.comm, Global(found.size())) == 0)
     throw InputError(
@@ -121,7 +126,7 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
     throw InputError(
         fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
                     input.file.string(), count_));
-  if (config::holds_limit(input.inextensibility)) check_edges(cloth, input);
+  if (config::holds_limit(input)) check_edges(cloth, input);
 }
 
 /// Distances between points that move along straight lines are largest at keyframes, so it is enough to look

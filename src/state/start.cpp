@@ -60,6 +60,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.stress.assign(mesh.vertices.size(), Vec2::Zero());
   state.pulled.assign(mesh.edges.size(), 0.0);
   state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
+  state.pressing.assign(mesh.vertices.owned, Vec3::Zero());
   return state;
 }
 

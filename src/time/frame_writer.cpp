@@ -106,11 +106,12 @@ XdmfCells shape_of(const DistributedMesh& mesh) {
 
 std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
 
-FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, std::vector<config::Field> fields,
+FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, const Case& input,
                          std::filesystem::path folder, std::vector<XdmfFrame> earlier)
-    : cloth_(cloth), fields_(std::move(fields)), folder_(std::move(folder)),
+    : cloth_(cloth), fields_(input.output.fields), folder_(std::move(folder)),
       sides_(sides_of_owned_cells(cloth.mesh)), tangents_(tangents_of(cloth)), obstacles_(cloth, obstacles) {
   cells_.frames = edges_.frames = std::move(earlier);
+  if (input.has_contact() && wants(config::Field::contact)) contact_.emplace(cloth, obstacles, input);
 }
 
 bool FrameWriter::wants(config::Field field) const {
@@ -184,6 +185,7 @@ void FrameWriter::describe(bool has_mixed_cells) {
   edges_.cells_dataset = "/constraints/edges";
   if (wants(velocity)) cells_.fields.push_back({"velocity", "/velocities", XdmfCentre::point, 3});
   if (wants(reaction)) cells_.fields.push_back({"reaction", "/reactions", XdmfCentre::point, 3});
+  if (contact_) contact_->describe(cells_.fields);
   if (wants(owner_rank))
     cells_.fields.push_back(
         {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
@@ -221,6 +223,7 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     if (wants(velocity))
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
+    if (contact_) contact_->write(file, state);
     if (wants(strain))
       write_field(file, "strain", strains, strains_of_cells(mesh, tangents_, state.positions));
     if (wants(tension)) write_field(file, "tension", tensions, mean_over_sides(sides_, tensions));

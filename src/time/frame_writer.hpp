@@ -1,5 +1,6 @@
 #pragma once
 #include "src/forces/stretch.hpp"
+#include "src/time/contact_frames.hpp"
 #include "src/time/observer.hpp"
 #include "src/time/obstacle_frames.hpp"
 
@@ -14,8 +15,8 @@ class FrameWriter : public Observer {
 public:
   /// `cloth` and `obstacles` must outlive the writer; `folder` exists. `earlier` are the frames a resumed run
   /// has in it already, from the start on; none: the start is written too. Collective.
-  FrameWriter(const Cloth& cloth, const Obstacles& obstacles, std::vector<config::Field> fields,
-              std::filesystem::path folder, std::vector<XdmfFrame> earlier = {});
+  FrameWriter(const Cloth& cloth, const Obstacles& obstacles, const Case& input, std::filesystem::path folder,
+              std::vector<XdmfFrame> earlier = {});
 
   /// Relative to the folder.
   static std::string file_of(Global frame);
@@ -40,6 +41,7 @@ private:
       sides_;                     ///< of owned cells: the constrained edge on each side, -1 for none
   std::vector<Tangent> tangents_; ///< of local cells
   ObstacleFrames obstacles_;
+  std::optional<ContactFrames> contact_; ///< if there is contact, and its fields are wanted
   XdmfDescription cells_, edges_;
   double seconds_ = 0;
 };

@@ -1,5 +1,7 @@
 #include "src/time/intersection_check.hpp"
 
+#include "io/whole_file.hpp"
+
 #include <fmt/format.h>
 
 namespace taut {
@@ -20,16 +22,21 @@ std::string describe(const Intersection& i, const Cloth& cloth, const Obstacles&
 
 } // namespace
 
-IntersectionCheck::IntersectionCheck(const Cloth& cloth, const Case& input)
-    : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check),
-      obstacles_(cloth.mesh.comm, input), test_(cloth, obstacles_) {}
+IntersectionCheck::IntersectionCheck(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
+    : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check), obstacles_(obstacles),
+      test_(cloth, obstacles) {}
 
-void IntersectionCheck::refuse(const State& state) {
+void IntersectionCheck::refuse(const State& state, const std::filesystem::path& file) {
   look(state);
   if (count_ == 0) return;
-  throw InputError(fmt::format("the cloth starts with {} intersections; the first: {}; move `cloth.start` or "
-                               "the obstacle, or repair the start shape",
-                               count_, first_));
+  std::error_code ignored; // writing the file will tell
+  if (rank_of(cloth_.mesh.comm) == 0 && file.has_parent_path())
+    std::filesystem::create_directories(file.parent_path(), ignored);
+  write_text_whole(cloth_.mesh.comm, file, findings());
+  throw InputError(
+      fmt::format("the cloth starts with {} intersections; the first: {}; all of them are in {}, "
+                  "for ParaView; move `cloth.start` or the obstacle, or repair the start shape",
+                  count_, first_, file.string()));
 }
 
 void IntersectionCheck::after_step(const State& state, const StepRecord&) {
@@ -49,6 +56,7 @@ void IntersectionCheck::look(const State& state) {
     const int speaker = int(-max_over(comm, Global(found.empty() ? -size_of(comm) : -rank_of(comm))));
     first_ = broadcast_text(
         comm, found.empty() ? "" : describe(found.front(), cloth_, obstacles_, state.time), speaker);
+    findings_ = found;
   }
   count_ += now;
 }

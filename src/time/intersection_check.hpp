@@ -1,17 +1,20 @@
 #pragma once
-#include "src/contact/intersections.hpp"
+#include "src/time/findings.hpp"
 #include "src/time/observer.hpp"
+
+#include <filesystem>
 
 namespace taut {
 
 /// Tests the result for intersections, at frames or at every step, by a test of its own (Intersections).
 class IntersectionCheck : public Observer {
 public:
-  /// `cloth` must outlive it. Collective.
-  IntersectionCheck(const Cloth& cloth, const Case& input);
+  /// `cloth` and `obstacles` must outlive it. Collective.
+  IntersectionCheck(const Cloth& cloth, const Obstacles& obstacles, const Case& input);
 
-  /// Throws InputError, naming places, if the cloth intersects something in `state`. Collective.
-  void refuse(const State& state);
+  /// If the cloth intersects something in `state`: writes all findings to `file`, whose folder is made, and
+  /// throws InputError, naming the first. Collective.
+  void refuse(const State& state, const std::filesystem::path& file);
 
   void after_step(const State& state, const StepRecord& record) override;
   void after_frame(const State& state, Global frame) override;
@@ -21,16 +24,20 @@ public:
   /// Where the first was found, in words; empty if none was.
   const std::string& first() const { return first_; }
 
+  /// All that were found the first time that any was, as a file for ParaView (findings_as_vtp). Collective.
+  std::string findings() const { return findings_as_vtp(cloth_.mesh.comm, findings_); }
+
 private:
   void look(const State& state);
 
   const Cloth& cloth_;
   config::CheckAt when_;
-  Obstacles obstacles_;
+  const Obstacles& obstacles_;
   Intersections test_;
   std::vector<Vec3> bodies_;
   Global count_ = 0;
   std::string first_;
+  std::vector<Intersection> findings_;
 };
 
 } // namespace taut

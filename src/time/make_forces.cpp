@@ -1,6 +1,7 @@
 #include "src/time/make_forces.hpp"
 
 #include "src/config/methods.hpp"
+#include "src/contact/penalty_springs.hpp"
 #include "src/forces/air_drag.hpp"
 #include "src/forces/angle_bending.hpp"
 #include "src/forces/bending.hpp"
@@ -115,7 +116,8 @@ void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 
 } // namespace
 
-Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input) {
+Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern,
+                   const Case& input) {
   const Material& material = cloth.material;
   Forces forces;
   forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
@@ -127,7 +129,10 @@ Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
         material.damping.stiffness));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.has_contact()) forces.push_back(std::make_unique<CarriedContact>(cloth));
+  if (input.contact_model() == config::ContactModel::constraint)
+    forces.push_back(std::make_unique<CarriedContact>(cloth));
+  if (input.contact_model() == config::ContactModel::penalty)
+    forces.push_back(std::make_unique<PenaltySprings>(cloth, obstacles, input));
   if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
     forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
   return forces;

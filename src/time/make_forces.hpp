@@ -1,10 +1,11 @@
 #pragma once
+#include "src/contact/obstacles.hpp"
 #include "src/time/implicit_euler.hpp"
 
 namespace taut {
 
-/// The forces a case asks for. Throws InputError, naming key and model, for a model that cannot serve this
-/// mesh. Collective.
-Forces make_forces(const Cloth& cloth, const Pattern& pattern, const Case& input);
+/// The forces a case asks for; `cloth`, `obstacles` and `pattern` must outlive them. Throws InputError,
+/// naming key and model, for a model that cannot serve this mesh. Collective.
+Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input);
 
 } // namespace taut

@@ -2,6 +2,7 @@
 
 #include "src/config/methods.hpp"
 #include "src/filters/contact_projection.hpp"
+#include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
 #include "src/state/start.hpp"
 #include "src/time/make_forces.hpp"
@@ -17,15 +18,19 @@ namespace taut {
 
 namespace {
 
-std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Pattern& pattern,
-                                                          const Case& input,
+std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Obstacles& obstacles,
+                                                          const Pattern& pattern, const Case& input,
                                                           const config::Inextensibility& limits,
                                                           double weight) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
-  if (input.has_contact())
-    filters.push_back(std::make_unique<ContactProjection>(cloth, input, weight));
-  else if (auto filter = make_filter(cloth, pattern, limits, weight))
-    filters.push_back(std::move(filter));
+  if (input.contact_model() == config::ContactModel::constraint) {
+    filters.push_back(std::make_unique<ContactProjection>(cloth, obstacles, input, weight));
+    return filters;
+  }
+  if (auto filter = make_filter(cloth, pattern, limits, weight)) filters.push_back(std::move(filter));
+  if (input.contact_model() == config::ContactModel::impulse)
+    filters.insert(config::contact_is_last(input) ? filters.end() : filters.begin(),
+                   std::make_unique<ImpulseContact>(cloth, obstacles, input));
   return filters;
 }
 
@@ -39,6 +44,11 @@ config::Inextensibility inextensibility_of(const Case& input, const Cloth& cloth
         ": inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines "
         "keep warp and weft by their edges: choose edges");
   return result;
+}
+
+std::optional<double> strain_limit_of(const Case& input) {
+  if (!config::holds_limit(input)) return {};
+  return input.inextensibility.strain;
 }
 
 /// In N. Collective.
@@ -72,11 +82,12 @@ double cpu_seconds() {
 
 Simulation::Simulation(MPI_Comm comm, const Case& input)
     : comm_(comm), down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), inextensibility_(inextensibility_of(input, cloth_)),
+      cloth_(load_cloth(comm, input)), obstacles_(comm, input),
+      inextensibility_(inextensibility_of(input, cloth_)), strain_limit_(strain_limit_of(input)),
       weight_(weight_of(cloth_, input.gravity)), state_(start_state(cloth_, input)),
       gauge_(cloth_, *inextensibility_.constrain), pins_(cloth_, input, state_.positions),
-      pattern_(cloth_.mesh), forces_(make_forces(cloth_, pattern_, input)),
-      filters_(make_filters(cloth_, pattern_, input, inextensibility_, weight_)),
+      pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input)),
+      filters_(make_filters(cloth_, obstacles_, pattern_, input, inextensibility_, weight_)),
       integrator_(input.time.integrator),
       predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
       max_stretch_change_(input.time.max_stretch_change), end_positions_(state_.positions.size()),
@@ -135,6 +146,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   StepRecord& record = attempt.record;
   record.dt = dt;
   candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
+  candidate_.pressing.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   candidate_.stress.assign(state_.stress.size(), Vec2::Zero());
   candidate_.pulled.assign(state_.pulled.size(), 0.0);
   candidate_.contacts.clear();
@@ -202,9 +214,8 @@ double Simulation::carried(double force_density) const {
 /// Why a step with this strain cannot be accepted; empty if it can.
 std::string Simulation::fault_of(const Strain& strain) const {
   if (!std::isfinite(strain.max)) return "positions are no longer numbers";
-  if (!config::holds_limit(inextensibility_) || strain.max <= inextensibility_.strain) return "";
-  return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max,
-                     inextensibility_.strain);
+  if (!strain_limit_ || strain.max <= *strain_limit_) return "";
+  return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
 }
 
 /// The same for how drastically stretch changes in it [BW98 section 6].
@@ -227,6 +238,7 @@ void Simulation::accept(double time, double dt) {
   std::swap(state_.pulled, candidate_.pulled);
   std::swap(state_.contacts, candidate_.contacts);
   std::swap(state_.reaction, candidate_.reaction);
+  std::swap(state_.pressing, candidate_.pressing);
   state_.time = time;
   ++state_.step;
 }

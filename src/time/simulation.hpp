@@ -1,4 +1,5 @@
 #pragma once
+#include "src/contact/obstacles.hpp"
 #include "src/filters/velocity_filter.hpp"
 #include "src/forces/stretch.hpp"
 #include "src/state/strain_gauge.hpp"
@@ -39,9 +40,12 @@ public:
   void rehearse();
 
   const Cloth& cloth() const { return cloth_; }
+  const Obstacles& obstacles() const { return obstacles_; }
   const State& state() const { return state_; }
   /// With all that the case leaves to the mesh.
   const config::Inextensibility& inextensibility() const { return inextensibility_; }
+  /// Of every accepted step; none if nothing keeps one.
+  std::optional<double> strain_limit() const { return strain_limit_; }
   double weight() const { return weight_; } ///< of the cloth, N
   const StrainGauge& gauge() const { return gauge_; }
   const Pins& pins() const { return pins_; }
@@ -69,7 +73,9 @@ private:
   MPI_Comm comm_;
   Vec3 down_;
   Cloth cloth_;
+  Obstacles obstacles_;
   config::Inextensibility inextensibility_;
+  std::optional<double> strain_limit_;
   double weight_; ///< of the cloth, N
   State state_;
   StrainGauge gauge_;

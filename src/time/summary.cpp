@@ -121,7 +121,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"rejected_steps", simulation_.rejected_steps()},
       {"end_time", simulation_.state().time},
       {"strain",
-       {{"limit", config::holds_limit(limits) ? Json(limits.strain) : Json()},
+       {{"limit", simulation_.strain_limit() ? Json(*simulation_.strain_limit()) : Json()},
         {"max", all.strain_max},
         {"rms", std::sqrt(a_step(all.strain_squares))},
         {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},

@@ -1,0 +1,109 @@
+#include "src/contact/penalty_springs.hpp"
+
+#include "src/contact/thickness.hpp"
+
+#include <Eigen/Geometry>
+
+namespace taut {
+
+namespace {
+
+constexpr double creep = 5e-3; ///< m/s, below which friction is viscous
+
+/// N/m: with it 500 vertices' weight on one spring use up the thickness.
+double default_stiffness(const Cloth& cloth, double gravity, double thickness) {
+  double mass = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
+  const double mean = sum_over(cloth.mesh.comm, mass) / double(cloth.mesh.vertices.total);
+  return 500.0 * mean * (gravity > 0 ? gravity : 9.81) / thickness;
+}
+
+} // namespace
+
+/// One spring in the step's terms: the force at its start and for no motion of the cloth, and what resists.
+struct PenaltySprings::Spring {
+  std::array<Local, 4> places;
+  std::array<double, 4> weights; ///< zero where a place is an obstacle's
+  Vec3 force;                    ///< N on the first feature
+  std::array<Vec3, 3> resists;   ///< n and two tangents, scaled: resists resists^T is h^2 K + h D
+};
+
+PenaltySprings::PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
+    : cloth_(cloth), obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity),
+      thickness_(contact_thickness(cloth, input)), search_(cloth, obstacles) {
+  const config::Penalty given = contact_.penalty.value_or(config::Penalty{});
+  stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_));
+  damping_ = given.damping * stiffness_;
+}
+
+/// Pairs that may come near enough in free flight.
+void PenaltySprings::find_pairs(const State& state, double dt) const {
+  target_.resize(state.positions.size());
+  for (std::size_t i = 0; i < target_.size(); ++i)
+    target_[i] = state.positions[i] + dt * (state.velocities[i] + dt * gravity_);
+  spins_ = obstacles_.spins(state.time, state.time + dt);
+  obstacles_.place(state.time, bodies_from_);
+  obstacles_.place(state.time + dt, bodies_to_);
+  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_, 0.0);
+  search_.gather(state.positions, bodies_from_, start_field_);
+  search_.gather(target_, bodies_to_, displacement_);
+  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
+}
+
+std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, double dt) const {
+  const Approach here = approach(pair, at(pair, start_field_));
+  const auto& w = here.weights;
+  if (pair.kind == PairKind::edge_edge && (w[0] == 0 || w[1] == 0 || w[2] == 0 || w[3] == 0))
+    return {}; // vertices against faces have it
+  Vec3 moves = Vec3::Zero(), body_moves = Vec3::Zero();
+  Spring s{pair.vertices, w, Vec3::Zero(), {}};
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 part = w[i] * displacement_[pair.vertices[i]];
+    moves += part;
+    const bool is_body = pair.vertices[i] >= search_.own() && pair.vertices[i] < search_.home();
+    if (!is_body) continue;
+    body_moves += part;
+    s.weights[i] = 0;
+  }
+  const Vec3& n = here.normal;
+  const double ahead = thickness_ - here.gap - n.dot(moves);
+  if (ahead <= 0) return {};
+  s.force =
+      (stiffness_ * (thickness_ - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
+  s.resists[0] = std::sqrt(dt * dt * stiffness_ + dt * damping_) * n;
+  const double friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+  if (pair.body >= 0) {
+    moves -= spins_[pair.body] * n;
+    body_moves -= spins_[pair.body] * n;
+  }
+  const Vec3 slip = moves - n.dot(moves) * n, body_slip = body_moves - n.dot(body_moves) * n;
+  const double pressed = stiffness_ * std::max(0.0, thickness_ - here.gap); // by the step before
+  const double drag = friction * pressed / std::max(slip.norm() / dt, creep);
+  s.force -= drag / dt * body_slip; // sum w_i v_i of the body has the sign of its weights
+  const Vec3 first = n.unitOrthogonal();
+  s.resists[1] = std::sqrt(dt * drag) * first;
+  s.resists[2] = std::sqrt(dt * drag) * n.cross(first);
+  return s;
+}
+
+void PenaltySprings::add_to(StepSystem& system, const State& state) const {
+  const double dt = system.dt();
+  find_pairs(state, dt);
+  std::vector<FarTerms::Term> terms;
+  std::vector<Vec3> forces(search_.size(), Vec3::Zero());
+  for (const Pair& pair : search_.pairs()) {
+    const auto s = spring(pair, dt);
+    if (!s) continue;
+    for (int i = 0; i < 4; ++i) forces[s->places[i]] += s->weights[i] * s->force;
+    for (const Vec3& r : s->resists) {
+      if (r.isZero()) continue;
+      const auto& w = s->weights;
+      terms.push_back({s->places, {w[0] * r, w[1] * r, w[2] * r, w[3] * r}});
+    }
+  }
+  search_.accumulate(forces);
+  for (Local i = 0; i < search_.own(); ++i) system.add_force(i, forces[i]);
+  system.set_far(FarTerms(search_.plan(), search_.own(), search_.size(), std::move(terms)));
+}
+
+} // namespace taut

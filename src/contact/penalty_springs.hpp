@@ -1,0 +1,43 @@
+#pragma once
+#include "src/contact/contact_search.hpp"
+#include "src/forces/force.hpp"
+
+namespace taut {
+
+/// Stiff damped springs between features that come nearer than the thickness [BW98 section 6], implicit as
+/// all that is stiff. A pair has one in a step if in free flight it would end nearer than the thickness:
+///
+///     f = k (thickness - gap(x + h v')) - d n . sum_i w_i v'_i,
+///
+/// along its normal n at the start. Friction is Coulomb's, lagged: a damping of the slip by the normal force
+/// at the start over the speed of the slip, which holds up to a creep of 5 mm/s. Nothing keeps features from
+/// passing each other within a step.
+///
+/// Its energy is left out of the balance: it is stored and given back within few steps.
+class PenaltySprings : public Force {
+public:
+  /// `cloth` and `obstacles` must outlive the force. Throws InputError for a thickness that the mesh cannot
+  /// have. Collective.
+  PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input);
+
+  std::string_view name() const override { return "penalty"; }
+  double energy(const State&) const override { return 0; }
+  void add_to(StepSystem& system, const State& state) const override; ///< Collective.
+
+private:
+  struct Spring;
+  std::optional<Spring> spring(const Pair& pair, double dt) const;
+  void find_pairs(const State& state, double dt) const;
+
+  const Cloth& cloth_;
+  const Obstacles& obstacles_;
+  config::Contact contact_;
+  Vec3 gravity_;
+  double thickness_, stiffness_, damping_;
+  // room for the work of a step; no memory from one to the next
+  mutable ContactSearch search_;
+  mutable std::vector<Mat3> spins_;
+  mutable std::vector<Vec3> target_, bodies_from_, bodies_to_, start_field_, displacement_;
+};
+
+} // namespace taut

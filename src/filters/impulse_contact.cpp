@@ -1,0 +1,223 @@
+#include "src/filters/impulse_contact.hpp"
+
+#include "src/config/methods.hpp"
+#include "src/contact/rows.hpp"
+#include "src/contact/thickness.hpp"
+#include "src/linear/bounded_qp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+constexpr double recovered = 0.1;    ///< of what is missing to the thickness, in a step [Bridson et al. 2002]
+constexpr int single_rounds = 10;    ///< of impulses on single pairs, before they make a zone
+constexpr int most_products = 200;   ///< in the program of a zone
+constexpr double nearest = 0.2;      ///< of their gap: how near two features may come in a step
+constexpr double search_slack = 1.0; ///< of the thickness: how far a target may leave a search
+
+} // namespace
+
+ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
+    : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
+      contact_(input.contact.value_or(config::Contact{})), thickness_(contact_thickness(cloth, input)),
+      is_last_(config::contact_is_last(input)), inverse_mass_(cloth.mesh.vertices.size()) {}
+
+FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
+                                   Candidate& candidate) {
+  const MPI_Comm comm = cloth_.mesh.comm;
+  const double began = MPI_Wtime();
+  FilterReport report;
+  begin(start, dt, freedom, candidate);
+  const std::vector<Impact> near = too_near();
+  report.contacts = sum_over(comm, Global(near.size()));
+  if (report.contacts > 0) push_apart(near);
+  Zone zone; // all pairs that were found to meet
+  for (int round = 1;; ++round) {
+    if (left_search()) {
+      search();
+      zone.clear(); // its numbers were those of the search before
+    }
+    const std::vector<Impact> meeting = meetings(zone);
+    const Global count = sum_over(comm, Global(meeting.size()));
+    if (count == 0) break;
+    if (round > single_rounds + contact_.max_iterations) {
+      if (is_last_)
+        report.failure = fmt::format("{} pairs would still meet after {} rounds of impulses", count, round);
+      break;
+    }
+    ++report.iterations;
+    if (round <= single_rounds)
+      push_apart(meeting);
+    else
+      part_all(zone);
+  }
+  for (std::size_t i = 0; i < target_.size(); ++i) candidate.velocities[i] = (target_[i] - start_[i]) / dt;
+  for (std::size_t i = 0; i < pushed_.size(); ++i) candidate.pressing[i] = pushed_[i] / (dt * dt);
+  report.contact_seconds = MPI_Wtime() - began;
+  return report;
+}
+
+void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom,
+                           const Candidate& candidate) {
+  freedom_ = &freedom;
+  start_ = start.positions;
+  target_.resize(start_.size());
+  for (std::size_t i = 0; i < start_.size(); ++i) target_[i] = start_[i] + dt * candidate.velocities[i];
+  for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
+    inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
+  spins_ = obstacles_.spins(start.time, start.time + dt);
+  obstacles_.place(start.time, bodies_from_);
+  obstacles_.place(start.time + dt, bodies_to_);
+  pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
+  search();
+}
+
+void ImpulseContact::search() {
+  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_, search_slack * thickness_);
+  searched_ = target_;
+  search_.gather(start_, bodies_from_, start_field_);
+  mobility_.assign(search_.size(), Vec3::Zero());
+  for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
+  search_.update(mobility_);
+  take_displacements();
+}
+
+void ImpulseContact::take_displacements() {
+  search_.gather(target_, bodies_to_, displacement_);
+  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
+}
+
+bool ImpulseContact::left_search() const {
+  double farthest = 0;
+  for (Local i = 0; i < search_.own(); ++i)
+    farthest = std::max(farthest, (target_[i] - searched_[i]).squaredNorm());
+  return std::sqrt(max_over(cloth_.mesh.comm, farthest)) > search_slack * thickness_;
+}
+
+/// Nothing, where nothing can be moved.
+std::optional<ImpulseContact::Impact> ImpulseContact::impact(const Pair& pair, const Approach& approach,
+                                                             double wanted) const {
+  double mobility = 0;
+  for (int i = 0; i < 4; ++i)
+    mobility += approach.weights[i] * approach.weights[i] * mobility_[pair.vertices[i]][0];
+  if (mobility == 0) return {};
+  const double friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+  const Vec3 spin = pair.body >= 0 ? Vec3(spins_[pair.body] * approach.normal) : Vec3(Vec3::Zero());
+  return Impact{pair.vertices, approach.weights, approach.normal, mobility, wanted, friction, spin};
+}
+
+/// The pairs that are nearer than the thickness where the step starts.
+std::vector<ImpulseContact::Impact> ImpulseContact::too_near() const {
+  std::vector<Impact> found;
+  for (const Pair& pair : search_.pairs()) {
+    const Approach here = approach(pair, at(pair, start_field_));
+    if (here.gap >= thickness_) continue;
+    if (const auto pushed = impact(pair, here, recovered * (thickness_ - here.gap))) found.push_back(*pushed);
+  }
+  return found;
+}
+
+/// The pairs that come too near on the way, as they stand when they do; they are added to the zone.
+std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
+  std::vector<Impact> found;
+  for (const Pair& pair : search_.pairs()) {
+    Four x = at(pair, start_field_);
+    const Four u = at(pair, displacement_);
+    const double part = advance(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness_));
+    if (part == 1) continue;
+    for (int i = 0; i < 4; ++i) x[i] += part * u[i];
+    const auto met = impact(pair, approach(pair, x), 0.0);
+    if (!met) continue;
+    found.push_back(*met);
+    zone[name_of(pair, search_.keys())] = *met;
+  }
+  return found;
+}
+
+/// How far the features of an impact part, m.
+Vec3 ImpulseContact::parting(const Impact& impact) const {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) sum += impact.weights[i] * displacement_[impact.vertices[i]];
+  return sum;
+}
+
+/// Impulses on all of them at once.
+void ImpulseContact::push_apart(std::span<const Impact> impacts) {
+  std::vector<Vec3> busy(search_.size(), Vec3::Zero()); // first component: how many push a vertex
+  for (const Impact& i : impacts)
+    for (int k = 0; k < 4; ++k)
+      if (i.weights[k] != 0) busy[i.vertices[k]][0] += 1;
+  search_.accumulate(busy);
+  search_.update(busy);
+  std::vector<double> sizes;
+  for (const Impact& i : impacts) {
+    double most = 1;
+    for (const Local v : i.vertices)
+      if (mobility_[v][0] > 0) most = std::max(most, busy[v][0]);
+    sizes.push_back(std::max(0.0, i.wanted - i.direction.dot(parting(i))) / (i.mobility * most));
+  }
+  spread(impacts, sizes);
+}
+
+/// The least change of velocities after which no pair of the zone closes: minimise 1/2 |du|_M^2 subject to
+/// direction . sum_i w_i (u + du)_i >= wanted [Harmon et al. 2008], by its multipliers.
+void ImpulseContact::part_all(const Zone& zone) {
+  std::vector<Impact> impacts;
+  for (const auto& [name, met] : zone) impacts.push_back(met);
+  const std::size_t n = impacts.size();
+  std::vector<double> missing(n), sizes(n, 0.0), lower(n, 0.0), upper(n, HUGE_VAL),
+      tolerance(n, 1e-3 * thickness_);
+  for (std::size_t k = 0; k < n; ++k)
+    missing[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
+  constexpr double compliance = 1e-3; // of a row's diagonal: rows may depend on one another
+  const auto multiply = [&](std::span<const double> z, std::span<double> result) {
+    std::vector<Vec3> field(search_.size(), Vec3::Zero());
+    for (std::size_t k = 0; k < n; ++k)
+      for (int i = 0; i < 4; ++i)
+        field[impacts[k].vertices[i]] += z[k] * impacts[k].weights[i] * impacts[k].direction;
+    search_.accumulate(field);
+    for (Local i = 0; i < search_.own(); ++i) field[i] = inverse_mass_[i] * freedom_->allowed(i, field[i]);
+    std::fill(field.begin() + search_.own(), field.begin() + search_.home(), Vec3::Zero());
+    search_.update(field);
+    for (std::size_t k = 0; k < n; ++k) {
+      Vec3 sum = Vec3::Zero();
+      for (int i = 0; i < 4; ++i) sum += impacts[k].weights[i] * field[impacts[k].vertices[i]];
+      result[k] = impacts[k].direction.dot(sum) + compliance * impacts[k].mobility * z[k];
+    }
+  };
+  const auto precondition = [&](std::span<const double> r, std::span<double> s) {
+    for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].mobility;
+  };
+  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, missing, lower, upper, tolerance}, most_products,
+        sizes);
+  spread(impacts, sizes);
+}
+
+/// Moves the target by normal impulses of these sizes (kg m) and by the friction that goes with them: at most
+/// what stops the slip.
+void ImpulseContact::spread(std::span<const Impact> impacts, std::span<const double> sizes) {
+  push_.assign(search_.size(), Vec3::Zero());
+  for (std::size_t k = 0; k < impacts.size(); ++k) {
+    const Impact& i = impacts[k];
+    if (sizes[k] <= 0) continue;
+    Vec3 slip = parting(i) - i.spin;
+    slip -= i.direction.dot(slip) * i.direction;
+    const double stops = slip.norm() / i.mobility, rubs = std::min(i.friction * sizes[k], stops);
+    const Vec3 impulse = sizes[k] * i.direction - (stops > 0 ? rubs / stops : 0.0) / i.mobility * slip;
+    for (int v = 0; v < 4; ++v) push_[i.vertices[v]] += i.weights[v] * impulse;
+  }
+  search_.accumulate(push_);
+  for (Local i = 0; i < search_.own(); ++i) {
+    pushed_[i] += push_[i];
+    target_[i] += inverse_mass_[i] * freedom_->allowed(i, push_[i]);
+  }
+  cloth_.mesh.vertex_halo.update(target_);
+  take_displacements();
+}
+
+} // namespace taut
