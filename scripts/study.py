@@ -24,12 +24,13 @@ except ImportError:  # the packages come from Debian, so its Python is the fallb
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from studies import figure_1, figure_3, figure_4, figure_5, figure_6, figure_7, locking, resolution, shake_failures
+from studies import contact_models, figure_1, figure_3, figure_4, figure_5, figure_6, figure_7, locking, resolution, shake_failures
 from studies.runs import ROOT, Laboratory
 from studies.table import Table
 
 STUDIES = {study.name: study for study in (figure_1.STUDY, figure_3.STUDY, *figure_4.STUDIES, *figure_5.STUDIES, figure_6.STUDY,
-                                           figure_7.STUDY, shake_failures.STUDY, locking.STUDY, resolution.STUDY)}
+                                           figure_7.STUDY, shake_failures.STUDY, locking.STUDY, resolution.STUDY,
+                                           contact_models.STUDY)}
 
 
 def parse():

@@ -14,11 +14,12 @@ namespace taut {
 
 namespace {
 
-constexpr double recovered = 0.1;    ///< of what is missing to the thickness, in a step [Bridson et al. 2002]
-constexpr int single_rounds = 10;    ///< of impulses on single pairs, before they make a zone
-constexpr int most_products = 200;   ///< in the program of a zone
-constexpr double nearest = 0.2;      ///< of their gap: how near two features may come in a step
-constexpr double search_slack = 1.0; ///< of the thickness: how far a target may leave a search
+constexpr double recovered = 0.1;  ///< of what is missing to the thickness, in a step [Bridson et al. 2002]
+constexpr int single_rounds = 10;  ///< of impulses on single pairs, before they make a zone
+constexpr int most_products = 200; ///< in the program of a zone
+constexpr double program_left = 1e-3; ///< of the thickness; pairs part by twice that, so that none closes
+constexpr double nearest = 0.2;       ///< of their gap: how near two features may come in a step
+constexpr double search_slack = 1.0;  ///< of the thickness: how far a target may leave a search
 
 } // namespace
 
@@ -131,7 +132,7 @@ std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
     const double part = advance(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness_));
     if (part == 1) continue;
     for (int i = 0; i < 4; ++i) x[i] += part * u[i];
-    const auto met = impact(pair, approach(pair, x), 0.0);
+    const auto met = impact(pair, approach(pair, x), 2 * program_left * thickness_);
     if (!met) continue;
     found.push_back(*met);
     zone[name_of(pair, search_.keys())] = *met;
@@ -171,7 +172,7 @@ void ImpulseContact::part_all(const Zone& zone) {
   for (const auto& [name, met] : zone) impacts.push_back(met);
   const std::size_t n = impacts.size();
   std::vector<double> missing(n), sizes(n, 0.0), lower(n, 0.0), upper(n, HUGE_VAL),
-      tolerance(n, 1e-3 * thickness_);
+      tolerance(n, program_left * thickness_);
   for (std::size_t k = 0; k < n; ++k)
     missing[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
   constexpr double compliance = 1e-3; // of a row's diagonal: rows may depend on one another

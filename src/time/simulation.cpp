@@ -11,6 +11,7 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -174,6 +175,11 @@ Simulation::Attempt Simulation::attempt(double dt) {
   return attempt;
 }
 
+bool Simulation::all_finite(std::span<const Vec3> field) const {
+  return !any_of(comm_,
+                 std::any_of(field.begin(), field.end(), [](const Vec3& v) { return !v.allFinite(); }));
+}
+
 /// The velocities of the candidate before any filter, and the tensions that filters start from.
 void Simulation::predict(const StepStart& start, Attempt& attempt) {
   candidate_.velocities = start.state.velocities;
@@ -193,7 +199,10 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
     attempt.record.linear_iterations += filtered.linear_iterations;
     attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);
     attempt.record.seconds.contact += filtered.contact_seconds;
-    attempt.failure = filtered.failure;
+    // where contact has the last word and breaks the limit, the projection only does what it can
+    const bool has_last_word = k + 1 == filters_.size();
+    if (strain_limit_ || has_last_word || !all_finite(candidate_.velocities))
+      attempt.failure = filtered.failure;
   }
 }
 

@@ -62,6 +62,7 @@ private:
   Attempt attempt(double dt);
   void predict(const StepStart& start, Attempt& attempt);
   void filter(const StepStart& start, Attempt& attempt);
+  bool all_finite(std::span<const Vec3> field) const;
   void add_pull_of_filters();
   double carried(double force_density) const;
   std::string fault_of(const Strain& strain) const;
