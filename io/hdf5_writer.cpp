@@ -29,10 +29,12 @@ H5Handle with_groups() {
   return links;
 }
 
-/// Every row is written once, so filling with zeros first would be lost work.
-H5Handle without_filling() {
+/// Every row is written once, so filling with zeros first would be lost work. A time of creation would be
+/// each rank's own clock, in what all ranks must write alike.
+H5Handle unfilled_and_undated() {
   H5Handle creation = h5::own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   h5::require(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
+  h5::require(H5Pset_obj_track_times(creation.get(), false));
   return creation;
 }
 
@@ -86,7 +88,7 @@ void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t ty
   H5Handle dataset;
   h5::collectively(comm_, subject(path_, name), cure, [&] {
     const h5::Selection selection = h5::select(shape, rows);
-    const H5Handle links = with_groups(), creation = without_filling();
+    const H5Handle links = with_groups(), creation = unfilled_and_undated();
     dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(), links.get(),
                                  creation.get(), H5P_DEFAULT),
                       H5Dclose);

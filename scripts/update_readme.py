@@ -1,18 +1,25 @@
 #!/usr/bin/env python3
-"""Puts the table of all keys, as `taut schema --table` prints it, into README.md: scripts/update_readme.py [--check] [PROGRAM]"""
+"""Puts the table of all keys, as `taut schema --table` prints it, into README.md."""
+import argparse
 import pathlib
 import re
 import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
-arguments = [a for a in sys.argv[1:] if a != "--check"]
-program = arguments[0] if arguments else str(root / "build" / "taut")
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--check", action="store_true", help="only say whether the table is that of the program")
+parser.add_argument("program", nargs="?", type=pathlib.Path, default=root / "build/taut", help="default: %(default)s")
+options = parser.parse_args()
+if not options.program.is_file():
+    sys.exit(f"{options.program}: no such program; build it with scripts/build, or name it")
+
 readme = root / "README.md"
 old = readme.read_text()
-table = subprocess.run([program, "schema", "--table"], check=True, capture_output=True, text=True).stdout.strip()
+table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True, text=True).stdout.strip()
 begin, end = "<!-- made by scripts/update_readme.py from `taut schema --table` -->", "<!-- end -->"
 new = re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: f"{begin}\n{table}\n{end}", old, flags=re.S)
-if "--check" in sys.argv and new != old:
+if not options.check:
+    readme.write_text(new)
+elif new != old:
     sys.exit("README.md: the table of keys is not that of the program; run scripts/update_readme.py")
-readme.write_text(new)

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
+#include <new>
 
 namespace {
 
@@ -144,22 +146,29 @@ private:
   bool overwrite_ = false, table_ = false;
 };
 
+/// Of this rank alone. Installed as the handler of `new`: an exception would close files on its way here,
+/// which is collective, and so wait for ranks that know of nothing.
+[[noreturn]] void end_without_memory() {
+  fmt::print(stderr, "taut: rank {}: not enough memory; use more ranks on more machines, or a smaller mesh\n",
+             rank_of(MPI_COMM_WORLD));
+  MPI_Abort(MPI_COMM_WORLD, internal_error);
+  std::abort();
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
   const Arguments arguments = split(argc, argv);
   const Session session(argc, argv, arguments.petsc);
   const int rank = rank_of(MPI_COMM_WORLD);
+  std::set_new_handler(end_without_memory);
   try {
     return CommandLine().execute(MPI_COMM_WORLD, arguments);
   } catch (const InputError& e) { // thrown on all ranks alike
     if (rank == 0) fmt::print(stderr, "taut: {}\n", e.what());
     return input_error;
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr,
-               "taut: rank {}: not enough memory; use more ranks on more machines, or a smaller mesh\n",
-               rank);
-    MPI_Abort(MPI_COMM_WORLD, internal_error);
+  } catch (const std::bad_alloc&) { // of memory that did not come from `new`
+    end_without_memory();
   } catch (const std::exception& e) { // perhaps on this rank only: the others must not wait for it
     fmt::print(stderr, "taut: rank {}: {}\n", rank, e.what());
     MPI_Abort(MPI_COMM_WORLD, internal_error);

@@ -15,6 +15,7 @@ import time
 import unittest
 
 import h5py
+import numpy as np
 
 import running
 from running import Folder, Job, listed_frames, rows
@@ -152,10 +153,11 @@ class Removed(Faults):
 class OneRank(Faults):
     """A fault on one rank alone ends the whole job within 5 s."""
 
-    def test_out_of_memory(self):
-        case = ["run", "case.yaml", "--out", "run", "--set", "cloth.grid.vertices=[1500, 1500]"]
-        # mpirun starts each rank with its own command; the second may take 500 MB of addresses.
-        limited = ["bash", "-c", 'ulimit -v 500000; exec "$0" "$@"', running.COMMAND[-1], *case]
+    def assert_memory_ends(self, megabytes, *options):
+        """On the second rank, which may take so many of addresses."""
+        case = ["run", "case.yaml", "--out", "run", *options]
+        # mpirun starts each rank with its own command.
+        limited = ["bash", "-c", f'ulimit -v {megabytes}000; exec "$0" "$@"', running.COMMAND[-1], *case]
         words = [*running.on_ranks(2)[:-2], "1", running.COMMAND[-1], *case, ":", "-n", "1", *limited]
         job = subprocess.Popen(words, cwd=self.folder, env=running.ENVIRONMENT, text=True, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE)
@@ -165,6 +167,19 @@ class OneRank(Faults):
         self.assertEqual(message, "taut: rank 1: not enough memory; use more ranks on more machines, or a smaller mesh\n")
         self.assertEqual(code, 1)
         self.assertFalse((self.folder / "run").exists())
+
+    def test_out_of_memory(self):
+        self.assert_memory_ends(500, "--set", "cloth.grid.vertices=[1500, 1500]")
+
+    def test_out_of_memory_while_a_file_is_open(self):
+        """Closing it is for all ranks together."""
+        n = 1500
+        number = np.arange(n * n).reshape(n, n)
+        with h5py.File(self.folder / "cloth.h5", "w") as file:
+            file["rest_positions"] = np.stack([number.ravel() // n / n, number.ravel() % n / n, 0.0 * number.ravel()], axis=1)
+            file["faces"] = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=2).ravel()
+            file["face_offsets"] = np.arange(0, 4 * (n - 1)**2 + 1, 4)
+        self.assert_memory_ends(400, "--set", "cloth.mesh=cloth.h5")
 
 
 class Signals(Faults):

@@ -135,6 +135,23 @@ TEST(Hdf5, KeepsTheAttributesOfRank0) {
   EXPECT_EQ(file.attribute<std::int64_t>("step"), 7);
 }
 
+// The clocks of ranks differ, and what is the same should be so to the bit.
+TEST(Hdf5, KeepsNoTimes) {
+  const Folder folder;
+  write_whole(world, folder / "a.h5", [&](H5Writer& file) {
+    const Slab rows = my_slab(8);
+    file.write<double>("group/values", std::vector<double>(rows.count, 1.5), 1, rows);
+  });
+  const hid_t file = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  for (const char* name : {"group", "group/values"}) {
+    H5O_info_t info{};
+    ASSERT_GE(H5Oget_info_by_name2(file, name, &info, H5O_INFO_TIME, H5P_DEFAULT), 0);
+    EXPECT_EQ(info.ctime, 0) << name;
+    EXPECT_EQ(info.mtime, 0) << name;
+  }
+  H5Fclose(file);
+}
+
 TEST(Hdf5, KnowsWhatIsThere) {
   const Folder folder;
   write_whole(world, folder / "a.h5", [&](H5Writer& file) {

@@ -1,4 +1,5 @@
 #include "src/linear/modified_cg.hpp"
+#include "src/linear/session.hpp"
 #include "src/linear/velocity_system.hpp"
 #include "tests/force_bed.hpp"
 #include "tests/petsc_options.hpp"
@@ -283,4 +284,16 @@ TEST(PositionAlteration, TakesTheStiffnessTimesItOff) {
     const Column expected = plain.rhs - plain.matrix / dt * gather<Vec3>(self, map, y);
     EXPECT_LT(relative_error(whole_rhs(whole, system), expected), 1e-12);
   }
+}
+
+// A solver on some of the ranks asks for its options there alone.
+TEST(PetscOptions, AreUnusedIfNoRankAskedForThem) {
+  const OptionsInForce options({{"-asked_on_first", "1"}, {"-asked_on_last", "1"}, {"-asked_by_none", "1"}});
+  const auto ask = [](const char* name) {
+    PetscBool given = PETSC_FALSE;
+    PetscOptionsHasName(nullptr, nullptr, name, &given);
+  };
+  if (rank_of(world) == 0) ask("-asked_on_first");
+  if (rank_of(world) == size_of(world) - 1) ask("-asked_on_last");
+  EXPECT_EQ(unused_petsc_options(world), "-asked_by_none");
 }

@@ -34,6 +34,11 @@ class Run:
         return self.status == "completed"
 
     @property
+    def stopped(self):
+        """Whether it took longer than it was given."""
+        return self.status in ("interrupted", "killed")
+
+    @property
     def strain(self):
         return self.summary["strain"]["max"] if self.summary else float("inf")
 

@@ -27,7 +27,7 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
 
 void try_petsc_options(Simulation& simulation) {
   simulation.rehearse();
-  const std::string unused = unused_petsc_options();
+  const std::string unused = unused_petsc_options(simulation.cloth().mesh.comm);
   if (!unused.empty())
     throw InputError(fmt::format(
         "PETSc option {}: no solver of this case knows it; options start with -velocity_ or "

@@ -1,9 +1,14 @@
 #include "src/linear/session.hpp"
 
+#include "partition/comm.hpp"
 #include "src/linear/petsc.hpp"
 #include "src/linear/unassembled.hpp"
 #include "src/linear/yarn_preconditioner.hpp"
 
+#include <fmt/ranges.h>
+
+#include <set>
+#include <sstream>
 #include <vector>
 
 namespace taut {
@@ -30,15 +35,27 @@ Session::~Session() {
   MPI_Finalize();
 }
 
-std::string unused_petsc_options() {
+namespace {
+
+/// Names without their dash, of options that this rank has not asked for.
+std::set<std::string> unused_here() {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
   check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  std::string unused;
-  for (PetscInt i = 0; i < count; ++i)
-    if (std::string(names[i]) != "options_left")
-      unused += (unused.empty() ? "-" : " -") + std::string(names[i]);
+  std::set<std::string> unused(names, names + count);
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  unused.erase("options_left");
+  return unused;
+}
+
+} // namespace
+
+std::string unused_petsc_options(MPI_Comm comm) {
+  const std::set<std::string> here = unused_here();
+  std::istringstream of_rank_0(broadcast_text(comm, fmt::format("{}", fmt::join(here, "\n"))));
+  std::string unused;
+  for (std::string name; std::getline(of_rank_0, name);)
+    if (!any_of(comm, !here.contains(name))) unused += (unused.empty() ? "-" : " -") + name;
   return unused;
 }
 

@@ -1,4 +1,6 @@
 #pragma once
+#include <mpi.h>
+
 #include <span>
 #include <string>
 
@@ -15,7 +17,9 @@ public:
   Session& operator=(const Session&) = delete;
 };
 
-/// The options given but asked for by nobody so far, e.g. because they are misspelt. Not collective.
-std::string unused_petsc_options();
+/// The options given but asked for by no rank so far, e.g. because they are misspelt; the same text on every
+/// rank. A solver on some of the ranks (PCTELESCOPE, coarse grids) asks for its options there alone.
+/// Collective.
+std::string unused_petsc_options(MPI_Comm comm);
 
 } // namespace taut
