@@ -332,7 +332,7 @@ TEST(ConfigError, UnknownWord) {
             at("2:21", "partition.method: unknown word 'random'; choose one of metis, stripes"));
   EXPECT_EQ(error_after_cloth("output: {fields: [strain, tensoin]}"),
             at("2:27", "output.fields.1: unknown word 'tensoin' (did you mean 'tension'?); choose one of "
-                       "position, velocity, owner_rank, strain, tension, reaction"));
+                       "position, velocity, owner_rank, strain, tension, reaction, yarn"));
   EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 2}, fabric: denin}"),
             at("1:49",
                "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of cotton, wool, "

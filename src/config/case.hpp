@@ -247,8 +247,8 @@ struct Checkpoint {
 };
 
 struct Output {
-  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank,
-                            Field::strain,   Field::tension,  Field::reaction};
+  std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
+                            Field::tension,  Field::reaction, Field::yarn};
   bool operator==(const Output&) const = default;
 };
 

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
+import h5py
+import numpy as np
+
+import running
+
+
+def datasets(path):
+    held = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: held.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+    return held
+
+
+class Output(running.Folder):
+    def mesh_of(self, ranks, *options):
+        run = self.run_case(f"on-{ranks}", "--overwrite", "--set", "time.end=0.05", *options, ranks=ranks)
+        return datasets(run / "mesh.h5")
+
+    def test_mesh_on_any_ranks(self):
+        expected = self.mesh_of(1)
+        self.assertEqual(len(np.unique(expected["constraints/yarn"])), 11 + 11)
+        for ranks in (2, 3, 7):
+            found = self.mesh_of(ranks)
+            self.assertEqual(found.keys(), expected.keys())
+            for name in expected.keys() - {"owner_rank"}:
+                np.testing.assert_array_equal(found[name], expected[name], f"{name} on {ranks} ranks")
+
+    def test_yarns_of_edges_and_faces(self):
+        mesh = self.mesh_of(3)
+        yarn, warp, weft = mesh["constraints/yarn"], mesh["cells/yarn_warp"], mesh["cells/yarn_weft"]
+        of_edge = {tuple(edge): y for edge, y in zip(mesh["constraints/edges"], yarn)}
+        for (v, w), y in of_edge.items():  # a yarn of the grid is a row or a column
+            self.assertEqual(y, of_edge[(v - v % 11, v - v % 11 + 1)] if w == v + 1 else of_edge[(v % 11, v % 11 + 11)])
+        for face, a, b in zip(mesh["faces"].reshape(-1, 4), warp, weft):
+            self.assertEqual((a, b), (of_edge[(face[0], face[1])], of_edge[(face[0], face[3])]))
+
+    def test_yarns_are_listed_for_paraview(self):
+        self.mesh_of(1)
+        self.assertIn("mesh.h5:/constraints/yarn<", (self.folder / "on-1/edges.xdmf").read_text())
+        self.assertIn("mesh.h5:/cells/yarn_warp<", (self.folder / "on-1/frames.xdmf").read_text())
+
+    def test_fields_that_nobody_asks_for_are_left_out(self):
+        self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
+
+
+if __name__ == "__main__":
+    running.main(__doc__)
