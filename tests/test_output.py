@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
+import json
+
 import h5py
 import numpy as np
 
@@ -40,6 +42,19 @@ class Output(running.Folder):
         self.mesh_of(1)
         self.assertIn("mesh.h5:/constraints/yarn<", (self.folder / "on-1/edges.xdmf").read_text())
         self.assertIn("mesh.h5:/cells/yarn_warp<", (self.folder / "on-1/frames.xdmf").read_text())
+
+    def test_figures_of_a_partition(self):
+        told = []
+        for ranks in (1, 3):
+            code, out, err = self.taut("partition", "case.yaml", "--ranks", "40", "--json", "figures.json", ranks=ranks)
+            self.assertEqual((code, err), (0, ""))
+            told.append((out, json.loads((self.folder / "figures.json").read_text())))
+        self.assertEqual(told[0], told[1])
+        out, figures = told[0]
+        self.assertEqual((figures["ranks"], figures["method"], figures["yarns"]), (40, "metis", 22))
+        self.assertAlmostEqual(figures["vertices"]["mean"], 121 / 40)
+        self.assertEqual(figures["position_bytes"]["max"], 24 * figures["ghosts"]["max"])
+        self.assertIn(f"121 vertices for 40 ranks, by metis\n  {figures['edge_cut']} edges cut", out)
 
     def test_fields_that_nobody_asks_for_are_left_out(self):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
