@@ -199,7 +199,8 @@ void count_yarns(MPI_Comm comm, const Counter& counter, const std::vector<YarnPi
 
 PartitionFigures partition_figures(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                                    const std::vector<int>& owners, int parts) {
-  PartitionFigures figures{.parts = parts};
+  PartitionFigures figures;
+  figures.parts = parts;
   const Counter counter(comm, parts);
   std::vector<Named> owned;
   for (const int part : owners) owned.push_back({part});

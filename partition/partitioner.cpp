@@ -1,5 +1,7 @@
 #include "partition/partitioner.hpp"
 
+#include "partition/ptscotch.hpp"
+
 #include <metis.h>
 
 #include <limits>
@@ -63,9 +65,10 @@ std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
                            int parts) {
   if (method == Partitioner::stripes || parts == 1 || parts >= mesh.vertices.total)
     return stripes(mesh.vertices, parts);
+  if (method == Partitioner::ptscotch) return ptscotch_parts(comm, mesh, topology, parts);
   const Global adjacencies = sum_over(comm, Global(topology.spokes.size()));
   if (adjacencies > std::numeric_limits<idx_t>::max())
-    throw InputError("the mesh has more edges than METIS can number; try partition.method: stripes");
+    throw InputError("the mesh has more edges than METIS can number; try partition.method: ptscotch");
 
   std::vector<idx_t> degrees(mesh.vertices.count), neighbours(topology.spokes.size());
   for (std::size_t i = 0; i < degrees.size(); ++i)

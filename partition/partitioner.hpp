@@ -5,7 +5,8 @@ namespace taut {
 
 enum class Partitioner {
   metis, ///< k-way over the vertex graph, computed on rank 0; the other ranks hold nothing but their own part
-  stripes, ///< original order cut into equal pieces: no graph, for tests and for comparison
+  ptscotch, ///< recursive bisection over the vertex graph in parallel: no rank holds the whole graph
+  stripes,  ///< original order cut into equal pieces: no graph, for tests and for comparison
 };
 
 /// The part, of `parts`, that each vertex of this rank's slab belongs to. Parts may end up empty, e.g. when
