@@ -93,6 +93,8 @@ public:
           ->take_all();
     run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
     run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
+    run_->add_option("--counters", counters_,
+                     "Also count messages, bytes and reductions of each phase, into this file (JSON)");
     for (CLI::App* command : {run_, resume_})
       command->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
           ->check(CLI::IsMember({"auto", "lines", "bar"}));
@@ -123,8 +125,8 @@ public:
     const CaseSource source{case_, overrides, !arguments.petsc.empty()};
     if (*check_) return check(comm, source);
     if (*partition_) return partition(comm, {source, ranks_, json_});
-    return run(
-        comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
+    return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
+                      style_of(progress_), counters_});
   }
 
 private:
@@ -146,7 +148,7 @@ private:
 
   CLI::App app_;
   CLI::App *run_, *resume_, *check_, *info_, *partition_, *schema_;
-  std::string case_, out_, path_, checkpoint_, json_, progress_ = "auto";
+  std::string case_, out_, path_, checkpoint_, json_, counters_, progress_ = "auto";
   int ranks_ = 1;
   std::vector<std::string> sets_;
   bool overwrite_ = false, table_ = false;

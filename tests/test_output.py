@@ -56,6 +56,26 @@ class Output(running.Folder):
         self.assertEqual(figures["position_bytes"]["max"], 24 * figures["ghosts"]["max"])
         self.assertIn(f"121 vertices for 40 ranks, by metis\n  {figures['edge_cut']} edges cut", out)
 
+    def test_counters(self):
+        phases = {}
+        for ranks in (1, 3):
+            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set", "time.end=0.05",
+                      ranks=ranks)
+            counted = json.loads((self.folder / "counters.json").read_text())
+            self.assertEqual((counted["ranks"], counted["steps"]), (ranks, 10))
+            phases[ranks] = counted["phases"]
+        for name in ("velocity", "projection", "output"):
+            alone, together = phases[1][name], phases[3][name]
+            self.assertEqual((alone["messages"]["sum"], alone["reductions"]["sum"]), (0, 0))
+            self.assertGreater(together["messages"]["sum"], 0, name)
+            self.assertGreater(together["seconds"]["mean"], 0)
+        velocity = phases[3]["velocity"]
+        self.assertGreaterEqual(velocity["entered"]["max"], 10)
+        self.assertEqual(velocity["reductions"]["sum"], 3 * velocity["reductions"]["max"])  # everybody takes part in each
+        self.assertGreaterEqual(velocity["reductions"]["max"], 2 * velocity["iterations"])  # two in an iteration of CG
+        self.assertLessEqual(velocity["neighbours"]["max"], 2)
+        self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
+
     def test_fields_that_nobody_asks_for_are_left_out(self):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
 

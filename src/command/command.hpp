@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path out; ///< empty: out/<name of the case>
   ExistingRun existing = ExistingRun::refuse;
   ProgressStyle progress = ProgressStyle::lines;
+  std::filesystem::path counters; ///< where to write what the phases said between ranks; empty: nowhere
 };
 
 struct ResumeOptions {

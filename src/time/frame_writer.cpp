@@ -2,6 +2,7 @@
 
 #include "io/hdf5.hpp"
 #include "io/whole_file.hpp"
+#include "partition/traffic.hpp"
 #include "partition/yarns.hpp"
 
 #include <fmt/format.h>
@@ -131,6 +132,7 @@ void FrameWriter::at_start(const State& state) {
 void FrameWriter::after_frame(const State& state, Global frame) { write_frame(state, frame); }
 
 void FrameWriter::write_mesh() {
+  const PhaseScope phase(Phase::output);
   const DistributedMesh& mesh = cloth_.mesh;
   const CellLists cells = cells_in_order(mesh);
   const Slab faces = mesh.cell_order.slab(), vertices = mesh.vertex_order.slab(),
@@ -224,6 +226,7 @@ void FrameWriter::describe(bool has_mixed_cells) {
 }
 
 void FrameWriter::write_frame(const State& state, Global frame) {
+  const PhaseScope phase(Phase::output);
   using enum config::Field;
   const double begin = MPI_Wtime();
   const DistributedMesh& mesh = cloth_.mesh;
