@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
 import json
+import subprocess
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -75,6 +77,21 @@ class Output(running.Folder):
         self.assertGreaterEqual(velocity["reductions"]["max"], 2 * velocity["iterations"])  # two in an iteration of CG
         self.assertLessEqual(velocity["neighbours"]["max"], 2)
         self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
+
+    def test_a_slurm_job_goes_on_with_its_run(self):
+        job = [Path(__file__).resolve().parent.parent / "scripts/slurm.sh"]
+        environment = {**running.ENVIRONMENT, "TAUT": running.COMMAND[-1], "TAUT_LAUNCH": "env"}  # no srun here
+
+        def submit(*words):
+            done = subprocess.run([*job, *words], cwd=self.folder, env=environment, capture_output=True, text=True)
+            return done.returncode, done.stdout, done.stderr
+        first = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
+        self.assertEqual(first[0], 0, first)
+        again = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
+        self.assertEqual(again[0], 0, again)
+        self.assertIn("the run is complete", again[1])
+        self.assertEqual(submit("case.yaml")[0], 2)
+        self.assertEqual(submit()[0], 2)
 
     def test_fields_that_nobody_asks_for_are_left_out(self):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
