@@ -108,13 +108,6 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
   parts.edges.erase(std::unique(parts.edges.begin(), parts.edges.end(), same), parts.edges.end());
 }
 
-/// The vertices of a hinge; unused places repeat the one before.
-std::array<Global, 6> vertices_of(const EdgeFaces& h) {
-  const auto or_first = [](Global second, Global first) { return second >= 0 ? second : first; };
-  return {
-      h.low, h.high, h.left[0], or_first(h.left[1], h.left[0]), h.right[0], or_first(h.right[1], h.right[0])};
-}
-
 std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                                    const std::vector<int>& owners) {
   std::vector<Global> wanted;

@@ -1,5 +1,7 @@
 #include "partition/partitioner.hpp"
 
+#include "partition/ptscotch.hpp"
+
 #include <metis.h>
 
 #include <limits>
@@ -51,20 +53,22 @@ std::vector<idx_t> metis_k_way(std::vector<idx_t>& degrees, std::vector<idx_t>& 
   return owner;
 }
 
-std::vector<int> stripes(MPI_Comm comm, const Slab& slab) {
-  return std::vector<int>(slab.count, rank_of(comm));
+std::vector<int> stripes(const Slab& slab, int parts) {
+  std::vector<int> part(slab.count);
+  for (Global i = 0; i < slab.count; ++i) part[i] = slab_rank(slab.total, parts, slab.first + i);
+  return part;
 }
 
 } // namespace
 
-std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
-                           Partitioner method) {
-  const int ranks = size_of(comm);
-  if (method == Partitioner::stripes || ranks == 1 || ranks >= mesh.vertices.total)
-    return stripes(comm, mesh.vertices);
+std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method,
+                           int parts) {
+  if (method == Partitioner::stripes || parts == 1 || parts >= mesh.vertices.total)
+    return stripes(mesh.vertices, parts);
+  if (method == Partitioner::ptscotch) return ptscotch_parts(comm, mesh, topology, parts);
   const Global adjacencies = sum_over(comm, Global(topology.spokes.size()));
   if (adjacencies > std::numeric_limits<idx_t>::max())
-    throw InputError("the mesh has more edges than METIS can number; try partition.method: stripes");
+    throw InputError("the mesh has more edges than METIS can number; try partition.method: ptscotch");
 
   std::vector<idx_t> degrees(mesh.vertices.count), neighbours(topology.spokes.size());
   for (std::size_t i = 0; i < degrees.size(); ++i)
@@ -74,7 +78,7 @@ std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   neighbours = gather(comm, neighbours);
   std::vector<idx_t> owner;
   broadcast(comm, [&] {
-    owner = metis_k_way(degrees, neighbours, ranks);
+    owner = metis_k_way(degrees, neighbours, parts);
     return std::string();
   });
   return scatter(comm, mesh.vertices, owner);

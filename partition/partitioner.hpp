@@ -5,11 +5,19 @@ namespace taut {
 
 enum class Partitioner {
   metis, ///< k-way over the vertex graph, computed on rank 0; the other ranks hold nothing but their own part
-  stripes, ///< original order cut into equal pieces: no graph, for tests and for comparison
+  ptscotch, ///< recursive bisection over the vertex graph in parallel: no rank holds the whole graph
+  stripes,  ///< original order cut into equal pieces: no graph, for tests and for comparison
 };
 
-/// The owner of each vertex of this rank's slab. Ranks may end up empty, e.g. when there are more ranks than
-/// vertices. Collective.
-std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method);
+/// The part, of `parts`, that each vertex of this rank's slab belongs to. Parts may end up empty, e.g. when
+/// there are more of them than vertices. Collective.
+std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method,
+                           int parts);
+
+/// The same with one part a rank: the owner of each vertex.
+inline std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                                  Partitioner method) {
+  return partition(comm, mesh, topology, method, size_of(comm));
+}
 
 } // namespace taut

@@ -1,5 +1,7 @@
 #include "partition/plan.hpp"
 
+#include "partition/traffic.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -35,6 +37,7 @@ Plan::Plan(MPI_Comm comm, std::span<const int> send_to, std::span<const Local> s
 
 void Plan::start(const Side& to, const Side& from, std::span<const std::byte> out, std::span<std::byte> in,
                  std::size_t item_size) const {
+  const HaloScope halo;
   constexpr int tag = 102;
   requests_.clear();
   for (std::size_t k = 0; k < from.ranks.size(); ++k) {

@@ -26,6 +26,13 @@ struct EdgeFaces {
   Vec2 run; ///< of the texture from the lower to the higher vertex; zero in a mesh without
 };
 
+/// The vertices of a hinge; unused places repeat the one before.
+inline std::array<Global, 6> vertices_of(const EdgeFaces& h) {
+  const auto or_first = [](Global second, Global first) { return second >= 0 ? second : first; };
+  return {
+      h.low, h.high, h.left[0], or_first(h.left[1], h.left[0]), h.right[0], or_first(h.right[1], h.right[0])};
+}
+
 /// What follows from the cells of a mesh alone, shared out by the vertex slabs, so that it does not depend on
 /// the partition. Constrained edges are the edges of quads and the line elements, and all edges of a mesh of
 /// triangles alone; they are numbered by (lower vertex, higher vertex), lexicographically.

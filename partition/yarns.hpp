@@ -35,4 +35,8 @@ struct Yarns {
 /// Collective.
 Yarns find_yarns(const DistributedMesh& mesh);
 
+/// The yarn of every local edge, numbered from 0 in the order of the yarns' lowest edges: the same for any
+/// partition. Collective.
+std::vector<Global> yarn_numbers(const DistributedMesh& mesh, const Yarns& yarns);
+
 } // namespace taut

@@ -25,6 +25,7 @@ Examples:
   taut resume out/drape --set time.end=5            the same with other settings
   taut check case.yaml                              validate a case without running it
   taut info out/drape                               what a run holds, in words
+  taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
   taut schema                                       all keys of a case file (JSON Schema; --table for a table)
 
 What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
@@ -83,15 +84,19 @@ public:
     resume_ = app_.add_subcommand("resume", "Go on with a run from its last checkpoint");
     check_ = app_.add_subcommand("check", "Validate a case, its mesh and options, and say what is wrong");
     info_ = app_.add_subcommand("info", "Say in words what a run folder or a case file holds");
+    partition_ =
+        app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
-    for (CLI::App* command : {run_, check_})
+    for (CLI::App* command : {run_, check_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
-    for (CLI::App* command : {run_, resume_, check_})
+    for (CLI::App* command : {run_, resume_, check_, partition_})
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
           ->type_name("KEY=VALUE")
           ->take_all();
     run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
     run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
+    run_->add_option("--counters", counters_,
+                     "Also count messages, bytes and reductions of each phase, into this file (JSON)");
     for (CLI::App* command : {run_, resume_})
       command->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
           ->check(CLI::IsMember({"auto", "lines", "bar"}));
@@ -99,6 +104,8 @@ public:
     resume_->add_option("--checkpoint", checkpoint_,
                         "Go on from this one (default: the latest in the folder)");
     info_->add_option("path", path_, "A folder with a run, or a case file")->required();
+    partition_->add_option("--ranks", ranks_, "The number of ranks to cut it for")->required();
+    partition_->add_option("--json", json_, "Also write the figures to this file");
     schema_->add_flag("--table", table_, "A Markdown table instead");
   }
 
@@ -119,8 +126,9 @@ public:
       return resume(comm, {path_, overrides, !arguments.petsc.empty(), checkpoint_, style_of(progress_)});
     const CaseSource source{case_, overrides, !arguments.petsc.empty()};
     if (*check_) return check(comm, source);
-    return run(
-        comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse, style_of(progress_)});
+    if (*partition_) return partition(comm, {source, ranks_, json_});
+    return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
+                      style_of(progress_), counters_});
   }
 
 private:
@@ -130,8 +138,9 @@ private:
     const std::string word = arguments.own[1];
     for (const CLI::App* command : app_.get_subcommands(nullptr))
       if (command->get_name() == word) return;
-    throw InputError(fmt::format(
-        "there is no command '{}'; commands are run, resume, check, info and schema, see taut --help", word));
+    throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, partition "
+                                 "and schema, see taut --help",
+                                 word));
   }
 
   static int print(MPI_Comm comm, const std::string& text) {
@@ -140,8 +149,9 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *resume_, *check_, *info_, *schema_;
-  std::string case_, out_, path_, checkpoint_, progress_ = "auto";
+  CLI::App *run_, *resume_, *check_, *info_, *partition_, *schema_;
+  std::string case_, out_, path_, checkpoint_, json_, counters_, progress_ = "auto";
+  int ranks_ = 1;
   std::vector<std::string> sets_;
   bool overwrite_ = false, table_ = false;
 };

@@ -69,6 +69,12 @@ def command(name, arguments, message):
 
 
 MISTAKES = [
+    command("no_ranks", "partition case.yaml --ranks 0",
+            "taut: --ranks 0: give the number of ranks to cut the cloth for, at least 1"),
+    command("more_ranks_than_vertices", "partition case.yaml --ranks 26",
+            "taut: --ranks 26: the cloth has only 25 vertices; give no more ranks than that"),
+    command("figures_to_nowhere", "partition case.yaml --ranks 2 --json none/figures.json", "taut: none/figures.json: cannot be "
+            "written: No such file or directory; check that the folder exists, may be written to and has room"),
     command("case_missing", "run none.yaml", "taut: none.yaml: cannot be read: No such file or directory"),
     command("case_is_a_folder", "run .", "taut: .: this is a folder; name the case file in it, e.g. ./case.yaml"),
     Mistake("case_empty", "taut: case.yaml:1:1: the case is empty; give at least 'cloth'", ""),
@@ -191,7 +197,7 @@ MISTAKES = [
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, resume, check, info and schema, see taut --help"),
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition and schema, see taut --help"),
     command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
 
     Mistake("output_below_a_file", "taut: case.yaml/result: cannot be written: Not a directory; choose another folder "

@@ -329,10 +329,10 @@ TEST(ConfigError, UnknownWord) {
       error_after_cloth("velocity: {solver: mump}"),
       at("2:20", "velocity.solver: unknown word 'mump' (did you mean 'mumps'?); choose one of cg, mumps"));
   EXPECT_EQ(error_after_cloth("partition: {method: random}"),
-            at("2:21", "partition.method: unknown word 'random'; choose one of metis, stripes"));
+            at("2:21", "partition.method: unknown word 'random'; choose one of metis, ptscotch, stripes"));
   EXPECT_EQ(error_after_cloth("output: {fields: [strain, tensoin]}"),
             at("2:27", "output.fields.1: unknown word 'tensoin' (did you mean 'tension'?); choose one of "
-                       "position, velocity, owner_rank, strain, tension, reaction, contact"));
+                       "position, velocity, owner_rank, strain, tension, reaction, contact, yarn"));
   EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 2}, fabric: denin}"),
             at("1:49",
                "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of cotton, wool, "

@@ -189,6 +189,11 @@ TEST(Distribute, GridByMetis) {
   check(slab, partition(world, slab, find_topology(world, slab), Partitioner::metis));
 }
 
+TEST(Distribute, GridByPtScotch) {
+  const MeshSlab slab = make_grid(world, {2, 1}, {23, 17});
+  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::ptscotch));
+}
+
 TEST(Distribute, GridByStripes) {
   const MeshSlab slab = make_grid(world, {2, 1}, {23, 17});
   check(slab, partition(world, slab, find_topology(world, slab), Partitioner::stripes));
@@ -206,7 +211,7 @@ TEST(Distribute, AllOnTheLastRank) {
 
 TEST(Distribute, OneQuad) {
   const MeshSlab slab = make_grid(world, {1, 1}, {2, 2});
-  for (const Partitioner method : {Partitioner::metis, Partitioner::stripes})
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch, Partitioner::stripes})
     check(slab, partition(world, slab, find_topology(world, slab), method));
 }
 
@@ -217,16 +222,47 @@ TEST(Distribute, LineOfTwo) {
 
 TEST(Distribute, DisconnectedPieces) {
   const MeshSlab slab = two_pieces();
-  check(slab, partition(world, slab, find_topology(world, slab), Partitioner::metis));
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch})
+    check(slab, partition(world, slab, find_topology(world, slab), method));
 }
 
-TEST(Distribute, MetisBalancesAndCutsLittle) {
+TEST(Distribute, GraphPartitionersBalanceAndCutLittle) {
   const MeshSlab slab = make_grid(world, {1, 1}, {61, 61});
   const Topology topology = find_topology(world, slab);
-  const auto report =
-      distribute(world, slab, topology, partition(world, slab, topology, Partitioner::metis)).report;
-  EXPECT_LE(report.imbalance, 1.05);
-  EXPECT_LE(report.edge_cut, 70 * (size_of(world) - 1));
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch}) {
+    const auto report = distribute(world, slab, topology, partition(world, slab, topology, method)).report;
+    EXPECT_LE(report.imbalance, 1.05);
+    EXPECT_LE(report.edge_cut, 70 * (size_of(world) - 1));
+  }
+}
+
+TEST(Partition, IntoMorePartsThanRanks) {
+  const MeshSlab slab = make_grid(world, {1, 1}, {61, 61});
+  const Topology topology = find_topology(world, slab);
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch, Partitioner::stripes}) {
+    std::vector<double> sizes(20, 0.0);
+    for (const int part : partition(world, slab, topology, method, 20)) ++sizes.at(part);
+    sum_in_place(world, sizes);
+    EXPECT_EQ(std::accumulate(sizes.begin(), sizes.end(), 0.0), 61 * 61);
+    EXPECT_LE(*std::max_element(sizes.begin(), sizes.end()), 1.05 * 61 * 61 / 20);
+  }
+}
+
+TEST(Partition, IsTheSameEachTime) {
+  const MeshSlab slab = make_grid(world, {1, 1}, {61, 61});
+  const Topology topology = find_topology(world, slab);
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch}) {
+    const auto first = partition(world, slab, topology, method);
+    for (int again = 0; again < 5; ++again) EXPECT_EQ(partition(world, slab, topology, method), first);
+  }
+}
+
+TEST(Partition, OfAMeshSmallerThanTheRanks) {
+  // Some slabs are empty here, and yet there are fewer parts than vertices.
+  const MeshSlab slab = make_line(world, 1, 5);
+  const Topology topology = find_topology(world, slab);
+  for (const Partitioner method : {Partitioner::metis, Partitioner::ptscotch, Partitioner::stripes})
+    for (const int part : partition(world, slab, topology, method, 2)) EXPECT_TRUE(part == 0 || part == 1);
 }
 
 TEST(Distribute, EdgesOfAYarnFollowEachOther) {

@@ -1,9 +1,11 @@
 // Yarns, and the exact solve along them, on adversarial partitions.
+#include "partition/fetch.hpp"
 #include "partition/grid.hpp"
 #include "src/linear/yarn_factor.hpp"
 #include "tests/meshes.hpp"
 
 #include <Eigen/Dense>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -11,6 +13,7 @@
 
 using namespace taut;
 using namespace taut::test;
+using testing::ElementsAre;
 
 namespace {
 
@@ -116,6 +119,27 @@ TEST(Yarns, HaveTheSameNumberOnAllTheirEdges) {
       const Global expected = along_row ? 13 * row : (column == 6 ? 12 : 2 * column + 1);
       EXPECT_EQ(s.yarn, expected) << "edge " << v << "-" << w;
     }
+}
+
+TEST(Yarns, AreNumberedAlikeOnAnyPartition) {
+  const auto number = [](MPI_Comm comm, const MeshSlab& grid, const std::vector<int>& owners) {
+    const DistributedMesh mesh = spread(comm, grid, owners);
+    const std::vector<Global> numbers = yarn_numbers(mesh, find_yarns(mesh));
+    const auto of_edge = fetch<Global>(comm, mesh.edge_order.slab(), mesh.edge_order.to_slab<Global>(numbers),
+                                       mesh.edges.original);
+    EXPECT_EQ(numbers, of_edge); // ghosts know it too
+    return mesh.edge_order.to_slab<Global>(numbers);
+  };
+  const MeshSlab slab = make_grid(world, {1, 1}, {7, 5}), whole = make_grid(MPI_COMM_SELF, {1, 1}, {7, 5});
+  const auto expected = number(MPI_COMM_SELF, whole, std::vector<int>(35, 0));
+  // The first row, its columns as its vertices come, then the other rows.
+  EXPECT_THAT(std::span(expected).first(13), ElementsAre(0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 7));
+  EXPECT_EQ(*std::max_element(expected.begin(), expected.end()), 7 + 5 - 1);
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    const auto here = number(world, slab, random_owners(slab.vertices, seed));
+    const Global first = slab_of(Global(expected.size()), size_of(world), rank_of(world)).first;
+    EXPECT_TRUE(std::equal(here.begin(), here.end(), expected.begin() + first)) << "seed " << seed;
+  }
 }
 
 TEST(Yarns, ClosedOnesAreFoundAndCut) {

@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path out; ///< empty: out/<name of the case>
   ExistingRun existing = ExistingRun::refuse;
   ProgressStyle progress = ProgressStyle::lines;
+  std::filesystem::path counters; ///< where to write what the phases said between ranks; empty: nowhere
 };
 
 struct ResumeOptions {
@@ -37,10 +38,17 @@ struct ResumeOptions {
   ProgressStyle progress = ProgressStyle::lines;
 };
 
+struct PartitionOptions {
+  CaseSource source;
+  int ranks = 1;              ///< to cut the cloth for; any number of ranks can do it
+  std::filesystem::path json; ///< empty: none
+};
+
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
 int check(MPI_Comm comm, const CaseSource& source);
 int info(MPI_Comm comm, const std::filesystem::path& path);
+int partition(MPI_Comm comm, const PartitionOptions& options);
 
 /// Reads the case file on rank 0 and shares it. Throws InputError.
 Case load_case(MPI_Comm comm, const CaseSource& source);

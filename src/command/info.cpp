@@ -110,12 +110,13 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
       "{}: case {}\n"
       "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
-      "  yarns       {}, of {:.1f} edges on average\n"
+      "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
       "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
       file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
       length / double(std::max<Global>(mesh.edges.total, 1)), mass, -extent[0], extent[3], -extent[1],
       extent[4], -extent[2], extent[5], yarns, double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
-      size_of(comm), mesh.report.edge_cut, mesh.report.imbalance, mesh.report.ghosts_max);
+      length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
+      mesh.report.ghosts_max);
 }
 
 } // namespace

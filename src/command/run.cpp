@@ -1,3 +1,4 @@
+#include "partition/traffic.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/simulate.hpp"
 #include "src/time/intersection_check.hpp"
@@ -6,6 +7,7 @@ namespace taut::command {
 
 int run(MPI_Comm comm, const RunOptions& options) {
   const double began = MPI_Wtime();
+  if (!options.counters.empty()) count_traffic();
   const Case input = load_case(comm, options.source);
   Simulation simulation(comm, input);
   if (options.source.has_petsc_options) try_petsc_options(simulation);
@@ -15,7 +17,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
         .refuse(simulation.state(), std::filesystem::path(out) += ".findings.vtp");
   make_run_folder(comm, out, input.file, options.existing);
   announce(comm, simulation, input, out);
-  return simulate(comm, input, simulation, {out, options.progress, began, {}});
+  return simulate(comm, input, simulation, {out, options.progress, began, {}, options.counters});
 }
 
 } // namespace taut::command

@@ -1,6 +1,7 @@
 #include "src/command/simulate.hpp"
 
 #include "io/whole_file.hpp"
+#include "src/command/counters.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/config/methods.hpp"
 #include "src/time/checkpointer.hpp"
@@ -91,6 +92,9 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
   if (intersections.count() > 0) write_text_whole(comm, out / "findings.vtp", intersections.findings());
   write_text_whole(comm, out / "summary.json",
                    summary.text(outcome, frames.frames(), checkpoints.output_seconds()));
+  if (!course.counters.empty())
+    write_text_whole(comm, course.counters,
+                     counters_text(comm, summary.totals(0), simulation.rejected_steps()));
   tell_why(comm, outcome, out);
   return exit_code(outcome.ending);
 }

@@ -8,8 +8,9 @@ namespace taut::command {
 struct Course {
   std::filesystem::path out; ///< the folder, ready for this run
   ProgressStyle progress = ProgressStyle::lines;
-  double began = 0; ///< MPI_Wtime() when the program did
-  Totals totals;    ///< of the run so far
+  double began = 0;                 ///< MPI_Wtime() when the program did
+  Totals totals;                    ///< of the run so far
+  std::filesystem::path counters{}; ///< as in RunOptions
 };
 
 /// From the present state of `simulation` to the end, with all files of a run; the exit code. Collective.

@@ -264,7 +264,7 @@ struct Checkpoint {
 
 struct Output {
   std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
-                            Field::tension,  Field::reaction, Field::contact};
+                            Field::tension,  Field::reaction, Field::contact,    Field::yarn};
   bool operator==(const Output&) const = default;
 };
 

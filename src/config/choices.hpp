@@ -29,8 +29,8 @@ enum class GridCells { quads, triangles, alternating_triangles };
 enum class ShearModel { baraff_witkin, diagonals };
 enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
 enum class RestAngles { flat, mesh };
-enum class PartitionMethod { metis, stripes };
-enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact };
+enum class PartitionMethod { metis, ptscotch, stripes };
+enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact, yarn };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -55,9 +55,11 @@ constexpr std::array<std::string_view, 4> words_of(BendingModel) {
 }
 constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
 constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
-constexpr std::array<std::string_view, 2> words_of(PartitionMethod) { return {"metis", "stripes"}; }
-constexpr std::array<std::string_view, 7> words_of(Field) {
-  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction", "contact"};
+constexpr std::array<std::string_view, 3> words_of(PartitionMethod) {
+  return {"metis", "ptscotch", "stripes"};
+}
+constexpr std::array<std::string_view, 8> words_of(Field) {
+  return {"position", "velocity", "owner_rank", "strain", "tension", "reaction", "contact", "yarn"};
 }
 
 } // namespace taut::config

@@ -116,7 +116,9 @@ void describe(V& v, Is<Inextensibility> auto& i) {
 
 template<class V>
 void describe(V& v, Is<Partition> auto& p) {
-  v("method", p.method, {.meaning = "how the cloth is cut for the ranks"});
+  v("method", p.method,
+    {.meaning = "how the cloth is cut for the ranks: by METIS on rank 0, by PT-Scotch on all of them "
+                "for graphs that do not fit one rank, or in the order of the input"});
 }
 
 template<class V>

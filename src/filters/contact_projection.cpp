@@ -1,5 +1,6 @@
 #include "src/filters/contact_projection.hpp"
 
+#include "partition/traffic.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/state/strain_gauge.hpp"
 
@@ -48,6 +49,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
                                       Candidate& candidate) {
   FilterReport report;
   const auto timed = [&](auto&& part) {
+    const PhaseScope phase(Phase::contact);
     const double began = MPI_Wtime();
     part();
     report.contact_seconds += MPI_Wtime() - began;

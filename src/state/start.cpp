@@ -27,17 +27,19 @@ bool has_triangles(MPI_Comm comm, const MeshSlab& mesh) {
 
 } // namespace
 
+UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
+  UndistributedCloth cloth{load_mesh(comm, input), {}, input.cloth.material};
+  cloth.topology = find_topology(comm, cloth.slab);
+  auto& model = cloth.material.bending_model;
+  if (!model)
+    model = has_triangles(comm, cloth.slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
+  if (model == config::BendingModel::yarn) cloth.topology.hinges.clear(); // nobody asks for them
+  return cloth;
+}
+
 Cloth load_cloth(MPI_Comm comm, const Case& input) {
-  const MeshSlab slab = load_mesh(comm, input);
-  Topology topology = find_topology(comm, slab);
-  config::Material material = input.cloth.material;
-  if (!material.bending_model)
-    material.bending_model =
-        has_triangles(comm, slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
-  if (material.bending_model == config::BendingModel::yarn) topology.hinges.clear(); // nobody asks for them
-  const auto method =
-      input.partition.method == config::PartitionMethod::metis ? Partitioner::metis : Partitioner::stripes;
-  const auto owners = partition(comm, slab, topology, method);
+  const auto [slab, topology, material] = read_cloth(comm, input);
+  const auto owners = partition(comm, slab, topology, Partitioner(input.partition.method));
   return make_cloth(distribute(comm, slab, topology, owners), material);
 }
 

@@ -1,5 +1,7 @@
 #include "src/time/checkpointer.hpp"
 
+#include "partition/traffic.hpp"
+
 #include <cmath>
 
 namespace taut {
@@ -38,6 +40,7 @@ bool Checkpointer::is_due(const State& state) const {
 void Checkpointer::write() {
   const State& state = simulation_.state();
   if (written_ == state.step) return;
+  const PhaseScope phase(Phase::output);
   const double begin = MPI_Wtime();
   write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
                    {case_text_, state, simulation_.step_size().memory(), simulation_.rejected_steps(),

@@ -2,6 +2,8 @@
 
 #include "io/hdf5.hpp"
 #include "io/whole_file.hpp"
+#include "partition/traffic.hpp"
+#include "partition/yarns.hpp"
 
 #include <fmt/format.h>
 
@@ -131,6 +133,7 @@ void FrameWriter::at_start(const State& state) {
 void FrameWriter::after_frame(const State& state, Global frame) { write_frame(state, frame); }
 
 void FrameWriter::write_mesh() {
+  const PhaseScope phase(Phase::output);
   const DistributedMesh& mesh = cloth_.mesh;
   const CellLists cells = cells_in_order(mesh);
   const Slab faces = mesh.cell_order.slab(), vertices = mesh.vertex_order.slab(),
@@ -160,6 +163,7 @@ void FrameWriter::write_mesh() {
       const std::vector<std::int32_t> rank(mesh.vertices.owned, rank_of(mesh.comm));
       file.write<std::int32_t>("/owner_rank", mesh.vertex_order.to_slab<std::int32_t>(rank), 1, vertices);
     }
+    if (wants(config::Field::yarn)) write_yarns(file);
     if (mixed) {
       const auto numbers = xdmf_mixed_cells(cells.vertices, cells.offsets);
       stream = rows_of(mesh.comm, numbers.size());
@@ -170,6 +174,23 @@ void FrameWriter::write_mesh() {
   });
   describe(mixed);
   cells_.cells_length = mixed ? stream.total : corners.total;
+}
+
+/// On edges, and on faces the yarn along warp and that along weft which meet at the first corner; -1: none.
+void FrameWriter::write_yarns(H5Writer& file) const {
+  const DistributedMesh& mesh = cloth_.mesh;
+  const std::vector<Global> yarn = yarn_numbers(mesh, find_yarns(mesh));
+  file.write<Global>("/constraints/yarn", mesh.edge_order.to_slab<Global>(yarn), 1, mesh.edge_order.slab());
+  const auto of_side = [&](Local first, Local second) {
+    return first >= 0 ? yarn[first] : second >= 0 ? yarn[second] : Global(-1);
+  };
+  std::vector<Global> warp, weft;
+  for (const auto& s : sides_) {
+    warp.push_back(of_side(s[0], s[2]));
+    weft.push_back(of_side(s[3], s[1]));
+  }
+  file.write<Global>("/cells/yarn_warp", mesh.cell_order.to_slab<Global>(warp), 1, mesh.cell_order.slab());
+  file.write<Global>("/cells/yarn_weft", mesh.cell_order.to_slab<Global>(weft), 1, mesh.cell_order.slab());
 }
 
 void FrameWriter::describe(bool has_mixed_cells) {
@@ -189,6 +210,14 @@ void FrameWriter::describe(bool has_mixed_cells) {
   if (wants(owner_rank))
     cells_.fields.push_back(
         {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
+  if (wants(yarn)) {
+    const auto on_cells = [](const char* name, const char* dataset) {
+      return XdmfField{name, dataset, XdmfCentre::cell, 1, XdmfNumber::int64, XdmfHome::mesh};
+    };
+    edges_.fields.push_back(on_cells("yarn", "/constraints/yarn"));
+    cells_.fields.push_back(on_cells("yarn_warp", "/cells/yarn_warp"));
+    cells_.fields.push_back(on_cells("yarn_weft", "/cells/yarn_weft"));
+  }
   for (const auto& [field, name] : {std::pair{strain, "strain"}, std::pair{tension, "tension"}}) {
     if (!wants(field)) continue;
     edges_.fields.push_back({name, fmt::format("/{}", name), XdmfCentre::cell});
@@ -199,6 +228,7 @@ void FrameWriter::describe(bool has_mixed_cells) {
 }
 
 void FrameWriter::write_frame(const State& state, Global frame) {
+  const PhaseScope phase(Phase::output);
   using enum config::Field;
   const double begin = MPI_Wtime();
   const DistributedMesh& mesh = cloth_.mesh;

@@ -1,5 +1,6 @@
 #include "src/time/simulation.hpp"
 
+#include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
@@ -105,6 +106,7 @@ void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global r
 }
 
 Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop) {
+  const PhaseScope phase(Phase::other);
   for (Observer* o : observers) o->at_start(state_);
   int rejected = 0;    // attempts since the last accepted step
   PhaseSeconds wasted; // on them
@@ -182,6 +184,7 @@ bool Simulation::all_finite(std::span<const Vec3> field) const {
 
 /// The velocities of the candidate before any filter, and the tensions that filters start from.
 void Simulation::predict(const StepStart& start, Attempt& attempt) {
+  const PhaseScope phase(Phase::velocity);
   candidate_.velocities = start.state.velocities;
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
     candidate_.force_density[e] = carried(state_.force_density[e]);
@@ -193,6 +196,7 @@ void Simulation::predict(const StepStart& start, Attempt& attempt) {
 }
 
 void Simulation::filter(const StepStart& start, Attempt& attempt) {
+  const PhaseScope phase(Phase::projection);
   for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
     const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom_, candidate_);
     attempt.record.iterations += filtered.iterations;

@@ -1,0 +1,77 @@
+#include "io/whole_file.hpp"
+#include "partition/partition_figures.hpp"
+#include "src/command/command.hpp"
+#include "src/state/start.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+namespace taut::command {
+
+namespace {
+
+constexpr Global bytes_of_position = sizeof(Vec3);
+
+std::string row(const char* name, const Spread& s) {
+  return fmt::format("  {:<34} {:>12} {:>14.1f} {:>12}\n", name, s.min, s.mean, s.max);
+}
+
+Spread times(const Spread& s, Global factor) {
+  return {s.min * factor, s.max * factor, s.mean * double(factor)};
+}
+
+std::string table(const std::string& name, const char* method, const PartitionFigures& f) {
+  return fmt::format("{}: {:.0f} vertices for {} ranks, by {}\n"
+                     "  {} edges cut, imbalance {:.3f}; {} of {} yarns lie on more than one rank\n"
+                     "  {:<34} {:>12} {:>14} {:>12}\n",
+                     name, f.vertices.mean * f.parts, f.parts, method, f.edge_cut, f.imbalance, f.cut_yarns,
+                     f.yarns, "of a rank", "least", "mean", "most") +
+         row("vertices", f.vertices) + row("ghost vertices", f.ghosts) + row("ghost edges", f.ghost_edges) +
+         row("neighbours", f.neighbours) + row("yarn segments", f.yarn_segments) +
+         row("bytes received: positions", times(f.ghosts, bytes_of_position)) +
+         row("bytes received: a number an edge", times(f.ghost_edges, sizeof(double)));
+}
+
+std::string json(const std::string& name, const char* method, const PartitionFigures& f) {
+  using Json = nlohmann::ordered_json;
+  const auto spread = [](const Spread& s) { return Json{{"min", s.min}, {"mean", s.mean}, {"max", s.max}}; };
+  const Json json = {{"case", name},
+                     {"ranks", f.parts},
+                     {"method", method},
+                     {"edge_cut", f.edge_cut},
+                     {"imbalance", f.imbalance},
+                     {"yarns", f.yarns},
+                     {"cut_yarns", f.cut_yarns},
+                     {"vertices", spread(f.vertices)},
+                     {"ghosts", spread(f.ghosts)},
+                     {"ghost_edges", spread(f.ghost_edges)},
+                     {"neighbours", spread(f.neighbours)},
+                     {"yarn_segments", spread(f.yarn_segments)},
+                     {"position_bytes", spread(times(f.ghosts, bytes_of_position))},
+                     {"edge_bytes", spread(times(f.ghost_edges, sizeof(double)))}};
+  return json.dump(2) + "\n";
+}
+
+} // namespace
+
+int partition(MPI_Comm comm, const PartitionOptions& options) {
+  if (options.ranks < 1)
+    throw InputError(
+        fmt::format("--ranks {}: give the number of ranks to cut the cloth for, at least 1", options.ranks));
+  const Case input = load_case(comm, options.source);
+  const UndistributedCloth cloth = read_cloth(comm, input);
+  if (options.ranks > cloth.slab.vertices.total)
+    throw InputError(fmt::format("--ranks {}: the cloth has only {} vertices; give no more ranks than that",
+                                 options.ranks, cloth.slab.vertices.total));
+  const auto owners =
+      taut::partition(comm, cloth.slab, cloth.topology, Partitioner(input.partition.method), options.ranks);
+  const PartitionFigures figures = partition_figures(comm, cloth.slab, cloth.topology, owners, options.ranks);
+  const char* method = config::words_of(input.partition.method)[std::size_t(input.partition.method)].data();
+  if (!options.json.empty()) write_text_whole(comm, options.json, json(input.name, method, figures));
+  if (rank_of(comm) == 0) fmt::print("{}", table(input.name, method, figures));
+  return success;
+}
+
+} // namespace taut::command

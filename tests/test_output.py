@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
+import json
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+import running
+
+
+def datasets(path):
+    held = {}
+    with h5py.File(path) as file:
+        file.visititems(lambda name, item: held.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+    return held
+
+
+class Output(running.Folder):
+    def mesh_of(self, ranks, *options):
+        run = self.run_case(f"on-{ranks}", "--overwrite", "--set", "time.end=0.05", *options, ranks=ranks)
+        return datasets(run / "mesh.h5")
+
+    def test_mesh_on_any_ranks(self):
+        expected = self.mesh_of(1)
+        self.assertEqual(len(np.unique(expected["constraints/yarn"])), 11 + 11)
+        for ranks in (2, 3, 7):
+            found = self.mesh_of(ranks)
+            self.assertEqual(found.keys(), expected.keys())
+            for name in expected.keys() - {"owner_rank"}:
+                np.testing.assert_array_equal(found[name], expected[name], f"{name} on {ranks} ranks")
+
+    def test_yarns_of_edges_and_faces(self):
+        mesh = self.mesh_of(3)
+        yarn, warp, weft = mesh["constraints/yarn"], mesh["cells/yarn_warp"], mesh["cells/yarn_weft"]
+        of_edge = {tuple(edge): y for edge, y in zip(mesh["constraints/edges"], yarn)}
+        for (v, w), y in of_edge.items():  # a yarn of the grid is a row or a column
+            self.assertEqual(y, of_edge[(v - v % 11, v - v % 11 + 1)] if w == v + 1 else of_edge[(v % 11, v % 11 + 11)])
+        for face, a, b in zip(mesh["faces"].reshape(-1, 4), warp, weft):
+            self.assertEqual((a, b), (of_edge[(face[0], face[1])], of_edge[(face[0], face[3])]))
+
+    def test_yarns_are_listed_for_paraview(self):
+        self.mesh_of(1)
+        self.assertIn("mesh.h5:/constraints/yarn<", (self.folder / "on-1/edges.xdmf").read_text())
+        self.assertIn("mesh.h5:/cells/yarn_warp<", (self.folder / "on-1/frames.xdmf").read_text())
+
+    def test_figures_of_a_partition(self):
+        told = []
+        for ranks in (1, 3):
+            code, out, err = self.taut("partition", "case.yaml", "--ranks", "40", "--json", "figures.json", ranks=ranks)
+            self.assertEqual((code, err), (0, ""))
+            told.append((out, json.loads((self.folder / "figures.json").read_text())))
+        self.assertEqual(told[0], told[1])
+        out, figures = told[0]
+        self.assertEqual((figures["ranks"], figures["method"], figures["yarns"]), (40, "metis", 22))
+        self.assertAlmostEqual(figures["vertices"]["mean"], 121 / 40)
+        self.assertEqual(figures["position_bytes"]["max"], 24 * figures["ghosts"]["max"])
+        self.assertIn(f"121 vertices for 40 ranks, by metis\n  {figures['edge_cut']} edges cut", out)
+
+    def test_counters(self):
+        phases = {}
+        for ranks in (1, 3):
+            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set", "time.end=0.05",
+                      ranks=ranks)
+            counted = json.loads((self.folder / "counters.json").read_text())
+            self.assertEqual((counted["ranks"], counted["steps"]), (ranks, 10))
+            phases[ranks] = counted["phases"]
+        for name in ("velocity", "projection", "output"):
+            alone, together = phases[1][name], phases[3][name]
+            self.assertEqual((alone["messages"]["sum"], alone["reductions"]["sum"]), (0, 0))
+            self.assertGreater(together["messages"]["sum"], 0, name)
+            self.assertGreater(together["seconds"]["mean"], 0)
+        velocity = phases[3]["velocity"]
+        self.assertGreaterEqual(velocity["entered"]["max"], 10)
+        self.assertEqual(velocity["reductions"]["sum"], 3 * velocity["reductions"]["max"])  # everybody takes part in each
+        self.assertGreaterEqual(velocity["reductions"]["max"], 2 * velocity["iterations"])  # two in an iteration of CG
+        self.assertLessEqual(velocity["neighbours"]["max"], 2)
+        self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
+
+    def test_a_slurm_job_goes_on_with_its_run(self):
+        job = [Path(__file__).resolve().parent.parent / "scripts/slurm.sh"]
+        environment = {**running.ENVIRONMENT, "TAUT": running.COMMAND[-1], "TAUT_LAUNCH": "env"}  # no srun here
+
+        def submit(*words):
+            done = subprocess.run([*job, *words], cwd=self.folder, env=environment, capture_output=True, text=True)
+            return done.returncode, done.stdout, done.stderr
+        first = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
+        self.assertEqual(first[0], 0, first)
+        again = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
+        self.assertEqual(again[0], 0, again)
+        self.assertIn("the run is complete", again[1])
+        self.assertEqual(submit("case.yaml")[0], 2)
+        self.assertEqual(submit()[0], 2)
+
+    def test_fields_that_nobody_asks_for_are_left_out(self):
+        self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
+
+
+if __name__ == "__main__":
+    running.main(__doc__)
