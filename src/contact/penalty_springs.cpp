@@ -29,7 +29,7 @@ struct PenaltySprings::Spring {
 };
 
 PenaltySprings::PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : cloth_(cloth), obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity),
+    : obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity),
       thickness_(contact_thickness(cloth, input)), search_(cloth, obstacles) {
   const config::Penalty given = contact_.penalty.value_or(config::Penalty{});
   stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_));

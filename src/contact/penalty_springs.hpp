@@ -29,7 +29,6 @@ private:
   std::optional<Spring> spring(const Pair& pair, double dt) const;
   void find_pairs(const State& state, double dt) const;
 
-  const Cloth& cloth_;
   const Obstacles& obstacles_;
   config::Contact contact_;
   Vec3 gravity_;
