@@ -28,7 +28,7 @@ def measure(laboratory, point):
             found = laboratory.run(scenes.drape(side, end, STEP, method="springs", springs={"stiffness": stiffness}))
             return found if not found.completed or found.strain <= strain else None
 
-        stiffness, run = smallest([2.0**k for k in range(-3, 16)], try_stiffness)
+        stiffness, run = smallest([2.0**k for k in range(0, 16)], try_stiffness)
         if run is None:
             return {"status": "not reached"}
     if run.completed:

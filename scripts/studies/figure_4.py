@@ -86,7 +86,7 @@ def draw_over(key, label):
             found = [(x, y) for x, y in found if y]
             axes.loglog([x for x, _ in found], [y for _, y in found], "o-", label=solver)
         axes.set_xticks(values(rows, key), [f"{value:g}" for value in values(rows, key)])
-        axes.minorticks_off()
+        axes.set_xticks([], minor=True)
         axes.set_xlabel(label)
         axes.set_ylabel("CPU s per simulated s, best step")
         axes.legend()
