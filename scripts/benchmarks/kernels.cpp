@@ -5,7 +5,6 @@
 // x SIDE. Bytes are those a kernel cannot do without: what it reads and writes, once each.
 #include "src/filters/edge_rows.hpp"
 #include "src/linear/session.hpp"
-#include "src/time/make_forces.hpp"
 #include "src/time/simulation.hpp"
 #include "tests/petsc_options.hpp"
 
@@ -59,7 +58,8 @@ std::vector<Vec3> refined(const std::vector<Vec3>& coarse, int side) {
 
 /// Puts `fine` where the cloth is at the end of the case on the coarse grid; false if it does not get there.
 bool let_fall(Simulation& fine, int side) {
-  Simulation coarse(MPI_COMM_WORLD, falling_cloth(coarse_side));
+  const Case input = falling_cloth(coarse_side);
+  Simulation coarse(MPI_COMM_WORLD, input);
   if (!coarse.run({}).completed()) return false;
   State state = fine.state();
   const OriginalOrder &from = coarse.cloth().mesh.vertex_order, &to = fine.cloth().mesh.vertex_order;
@@ -85,9 +85,8 @@ void measure_bandwidth() {
 /// The velocity matrix of a step, as the forces of the case make it.
 class Velocity {
 public:
-  Velocity(const Simulation& simulation, const Case& input)
-      : state_(simulation.state()), pattern_(simulation.cloth().mesh),
-        forces_(make_forces(simulation.cloth(), pattern_, input)),
+  explicit Velocity(const Simulation& simulation)
+      : state_(simulation.state()), pattern_(simulation.cloth().mesh), forces_(simulation.forces()),
         system_(pattern_, simulation.cloth().mesh.vertices.size()), product_(state_.velocities.size()) {
     assemble();
   }
@@ -108,7 +107,7 @@ public:
 private:
   const State& state_;
   Pattern pattern_;
-  Forces forces_;
+  const Forces& forces_;
   StepSystem system_;
   std::vector<Vec3> product_;
 };
@@ -214,7 +213,7 @@ int main(int argc, char** argv) {
     std::fputs("kernels: the cloth could not be simulated\n", stderr);
     return 1;
   }
-  auto velocity = std::make_shared<Velocity>(simulation, input);
+  auto velocity = std::make_shared<Velocity>(simulation);
   measure_bandwidth();
   measure("velocity_assembly", 0, [velocity] { velocity->assemble(); });
   measure("velocity_product", velocity->bytes(), [velocity] { velocity->multiply(); });
