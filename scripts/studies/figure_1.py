@@ -15,7 +15,7 @@ STEP = 0.005  # s at most
 
 
 def plan(quick):
-    side, strains, end = (11, [0.1, 0.02], 0.5) if quick else (71, [0.1, 0.05, 0.01, 0.001], 2.0)
+    side, strains, end = (11, [0.1, 0.02], 0.5) if quick else (41, [0.1, 0.05, 0.01, 0.001], 1.0)
     return [dict(zip(KEYS, (method, strain, side, end))) for strain in strains for method in METHODS]
 
 
