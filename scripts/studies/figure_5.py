@@ -27,8 +27,10 @@ def plan_a(quick):
 def plan_b(quick):
     if quick:
         return points([16, 41], [0.01], 0.1)
-    largest = [point for point in points([141], [0.01], 0.3) if point["method"] in ("fast_projection", "icd")]  # the others take many minutes
-    return points([20, 40, 71, 100], [0.01], 0.3) + largest
+    # beyond, the others take many minutes
+    larger = [point for point in points([141], [0.01], 0.3) if point["method"] in ("fast_projection", "icd")]
+    largest = [point for point in points([281], [0.01], 0.3) if point["method"] == "fast_projection"]
+    return points([20, 40, 71, 100], [0.01], 0.3) + larger + largest
 
 
 def measure(laboratory, point):
