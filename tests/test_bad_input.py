@@ -95,8 +95,14 @@ MISTAKES = [
            "taut: --set inextensibility.solver=mumps: inextensibility.solver: method jacobi does not use it; remove it, or "
            "choose another method"),
     added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
-          "taut: case.yaml:5:18: inextensibility: contact goes with method fast_projection only, of which it is a part; "
-          "choose that method, or contact.model: none"),
+          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with method fast_projection only, of which it is "
+          "a part; choose that method, or contact.model: impulse, penalty or none"),
+    added("contact_by_xpbd", "inextensibility: {method: xpbd}\ncontact: {model: impulse}",
+          "taut: case.yaml:5:18: inextensibility: method xpbd knows no contact; choose another, or contact.model: none"),
+    added("penalty_by_mumps", "velocity: {solver: mumps}\ncontact: {model: penalty}",
+          "taut: case.yaml:5:11: velocity: solver mumps knows nothing of the springs of contact.model penalty; choose cg"),
+    added("order_of_a_constraint", "contact: {impulse: {order: contact_first}}",
+          "taut: case.yaml:5:20: contact.impulse: is of model impulse only; remove it"),
     option("unknown_fabric", "--set cloth.fabric=denin", "taut: --set cloth.fabric=denin: cloth.fabric: unknown word "
            "'denin' (did you mean 'denim'?); choose one of cotton, wool, silk, canvas, denim, polyester, polycotton, "
            "interlock, ponte"),
