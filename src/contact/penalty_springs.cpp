@@ -1,5 +1,6 @@
 #include "src/contact/penalty_springs.hpp"
 
+#include "src/contact/friction.hpp"
 #include "src/contact/thickness.hpp"
 
 #include <Eigen/Geometry>
@@ -71,7 +72,7 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
   s.force =
       (stiffness_ * (thickness_ - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
   s.resists[0] = std::sqrt(dt * dt * stiffness_ + dt * damping_) * n;
-  const double friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+  const double friction = friction_of(pair, obstacles_, contact_);
   if (pair.body >= 0) {
     moves -= spins_[pair.body] * n;
     body_moves -= spins_[pair.body] * n;

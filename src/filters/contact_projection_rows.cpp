@@ -1,6 +1,8 @@
 // The rows of a contact projection: what presses and rubs, from step to step and within one.
 #include "src/filters/contact_projection.hpp"
 
+#include "src/contact/friction.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -96,7 +98,7 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness_ - gap, 0.0, HUGE_VAL,
                    gap_left * fall_, 0.0, key, true});
   rows_.back().body = pair.body;
-  rows_.back().friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+  rows_.back().friction = friction_of(pair, obstacles_, contact_);
 }
 
 /// The force that pressed a contact before this iteration, position-level.

@@ -1,6 +1,7 @@
 #include "src/filters/impulse_contact.hpp"
 
 #include "src/config/methods.hpp"
+#include "src/contact/friction.hpp"
 #include "src/contact/rows.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/linear/bounded_qp.hpp"
@@ -107,7 +108,7 @@ std::optional<ImpulseContact::Impact> ImpulseContact::impact(const Pair& pair, c
   for (int i = 0; i < 4; ++i)
     mobility += approach.weights[i] * approach.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return {};
-  const double friction = pair.body >= 0 ? obstacles_.body(pair.body).friction : contact_.friction;
+  const double friction = friction_of(pair, obstacles_, contact_);
   const Vec3 spin = pair.body >= 0 ? Vec3(spins_[pair.body] * approach.normal) : Vec3(Vec3::Zero());
   return Impact{pair.vertices, approach.weights, approach.normal, mobility, wanted, friction, spin};
 }
