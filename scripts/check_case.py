@@ -169,14 +169,21 @@ def xdmf_frames(path):
 
 
 def jittered_start(folder, seed, shape):
-    """Writes the start of a run as an OBJ file, every vertex moved at random by about a ten thousandth of an edge."""
+    """Writes the start of a run as OBJ files, every vertex moved at random by about a ten thousandth of an edge."""
     with h5py.File(folder / "mesh.h5") as mesh, h5py.File(folder / "frames/frame_000000.h5") as frame:
         size = 1e-4 * mesh["constraints/rest_lengths"][:].mean()
         positions = frame["positions"][:]
-    scale = float((yaml.safe_load((folder / "case.yaml").read_text())["cloth"]).get("scale", 1))
-    positions = (positions + size * np.random.default_rng(seed).standard_normal(positions.shape)) / scale
-    shape.write_text("".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in positions))
-    return {"cloth.start": {"shape": str(shape)}}
+    positions += size * np.random.default_rng(seed).standard_normal(positions.shape)
+    case = yaml.safe_load((folder / "case.yaml").read_text())
+    sizes = [cloth["vertices"] for cloth in json.loads((folder / "summary.json").read_text())["cloths"]]
+    keys = [f"cloths.{k}" for k in range(len(sizes))] if "cloths" in case else ["cloth"]
+    starts = {}
+    for k, (key, rows) in enumerate(zip(keys, np.split(positions, np.cumsum(sizes)[:-1]))):
+        scale = float((case["cloths"][k] if "cloths" in case else case["cloth"]).get("scale", 1))
+        file = shape.with_stem(f"{shape.stem}_{k}")
+        file.write_text("".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in rows / scale))
+        starts[f"{key}.start"] = {"shape": str(file)}
+    return starts
 
 
 def run_case(case, folder, options, arguments, ranks):

@@ -25,6 +25,11 @@ cloth: {grid: {size: [1, 1], vertices: [5, 5]}}
 pins: [{vertices: [0, 4]}]
 time: {end: 0.02, frame_rate: 100}
 """
+CLOTHS = """\
+cloths:
+  - {name: cat, grid: {size: [1, 1], vertices: [5, 5]}}
+  - {grid: {size: [0.2, 0.1], vertices: [3, 2], cells: triangles}, start: {translate: [0, 0, 1]}}
+"""
 MESH_CASE = """\
 cloth: {mesh: mesh.obj}
 pins: [{vertices: [0]}]
@@ -158,7 +163,7 @@ MISTAKES = [
     added("friction_below_zero", "contact: {friction: -0.1}\n", "taut: case.yaml:5:21: contact.friction: -0.1 is out of range; it must be at least 0"),
     added("thickness_over_an_edge", "contact: {thickness: 1}\n", "taut: case.yaml: contact.thickness: 1 m is more than half the shortest edge (0.25 m), so that neighbours would push each other apart; give at most 0.125"),
     added("averages_of_quads", "inextensibility: {constrain: vertices}\n",
-          "taut: case.yaml: inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines keep "
+          "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines keep "
           "warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
           "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
@@ -170,6 +175,22 @@ MISTAKES = [
             "the same order, in other places", options=("--set", "cloth.start.shape=shape.obj"),
             files={"shape.obj": SQUARE}),
 
+    Mistake("cloth_and_cloths", "taut: case.yaml:5:1: cloths and cloth exclude each other; keep one",
+            CASE + CLOTHS),
+    Mistake("no_cloths", "taut: case.yaml:1:9: cloths: must not be empty; give at least one cloth", "cloths: []\n"),
+    Mistake("pin_on_no_cloth", "taut: case.yaml:4:27: pins.0.cloth: there is no cloth 'hat' (did you mean 'cat'?); give cat, "
+            "or a number from 0 to 1", CLOTHS + "pins: [{vertices: [0], cloth: hat}]\n"),
+    Mistake("pin_beyond_its_cloth", "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 vertices, "
+            "numbered from 0", CLOTHS + "pins: [{vertices: [25], cloth: 0}]\n"),
+    Mistake("cloth_thicker_than_an_edge", "taut: case.yaml: cloths.1.thickness: 0.1 m is more than half the shortest edge of "
+            "cloth 1 (0.1 m), so that neighbours would push each other apart; give at most 0.05", CLOTHS + "contact: {}\n",
+            options=("--set", "cloths.1.thickness=0.1")),
+    Mistake("averages_beside_quads", "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all "
+            "cloths; quads and lines keep warp and weft by their edges: choose edges",
+            CLOTHS + "inextensibility: {constrain: vertices}\n"),
+    Mistake("material_of_one_cloth", "taut: case.yaml: cloths.1.material.bending_model: yarn cannot serve this mesh: its "
+            "triangles have no yarns; use isometric, discrete_shells or baraff_witkin", CLOTHS,
+            options=("--set", "cloths.1.material.bending_model=yarn")),
     pinned("pin_without_vertex", "[{vertices: [0, 25]}]",
            "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 vertices, numbered from 0"),
     pinned("box_without_vertex", "[{box: {min: [5, 5, 5], max: [6, 6, 6]}}]",

@@ -1,5 +1,6 @@
 #include "src/config/case.hpp"
 #include "src/config/changes.hpp"
+#include "src/config/cloths.hpp"
 #include "src/config/fabrics.hpp"
 #include "src/config/units.hpp"
 
@@ -76,7 +77,7 @@ TEST(Config, DefaultsAreThoseOfTheStructs) {
   Case expected;
   expected.name = std::string("x");
   expected.file = "cases/x/case.yaml";
-  expected.cloth.grid = config::Grid{.size = {1, 1}, .vertices = {3, 3}};
+  expected.cloths[0].grid = config::Grid{.size = {1, 1}, .vertices = {3, 3}};
   EXPECT_EQ(input, expected);
 }
 
@@ -89,12 +90,12 @@ TEST(Config, NameComesFromTheFolder) {
 
 TEST(Config, ReadsEveryKey) {
   const Case c = read(everything);
-  EXPECT_EQ(c.cloth.mesh, "meshes/shirt one.obj");
-  EXPECT_EQ(c.cloth.start.shape, "start.obj");
-  EXPECT_EQ(c.cloth.start.rotate.angle, std::numbers::pi / 2);
-  EXPECT_EQ(c.cloth.start.translate, Vec3(0.1, 0, 1e-3));
-  EXPECT_EQ(c.cloth.material.damping.mass, 0.1);
-  EXPECT_EQ(c.cloth.material.damping.stiffness, 0.002);
+  EXPECT_EQ(c.cloths[0].mesh, "meshes/shirt one.obj");
+  EXPECT_EQ(c.cloths[0].start.shape, "start.obj");
+  EXPECT_EQ(c.cloths[0].start.rotate.angle, std::numbers::pi / 2);
+  EXPECT_EQ(c.cloths[0].start.translate, Vec3(0.1, 0, 1e-3));
+  EXPECT_EQ(c.cloths[0].material.damping.mass, 0.1);
+  EXPECT_EQ(c.cloths[0].material.damping.stiffness, 0.002);
   ASSERT_EQ(c.pins.size(), 3u);
   EXPECT_EQ(c.pins[0].vertices, (std::vector<Global>{0, 4, 12345678901}));
   EXPECT_EQ(c.pins[0].release, 0.1);
@@ -119,23 +120,44 @@ TEST(Config, Quantities) {
   EXPECT_EQ(end("'  2  s '"), 2);
   EXPECT_EQ(end("+1.5e1"), 15);
   const Case line = read("cloth: {line: {length: 50 cm, vertices: 9}, material: {density: 3 g/m}}");
-  EXPECT_EQ(line.cloth.line, (config::Line{0.5, 9}));
-  EXPECT_EQ(line.cloth.material.density, 0.003);
+  EXPECT_EQ(line.cloths[0].line, (config::Line{0.5, 9}));
+  EXPECT_EQ(line.cloths[0].material.density, 0.003);
+}
+
+TEST(Config, SeveralCloths) {
+  const std::string two = "cloths:\n"
+                          "  - {name: shirt, mesh: shirt.obj, fabric: denim, thickness: 2 mm}\n"
+                          "  - {line: {length: 1, vertices: 3}, material: {bending: 0}}\n"
+                          "pins: [{cloth: shirt, vertices: [0]}, {cloth: 1, range: [0, 1]}]\n";
+  const Case c = read(two);
+  ASSERT_EQ(c.cloths.size(), 2u);
+  EXPECT_EQ(c.cloths[0].name, "shirt");
+  EXPECT_EQ(c.cloths[0].thickness, 0.002);
+  EXPECT_EQ(c.cloths[0].material.density, config::find_fabric("denim")->density);
+  EXPECT_EQ(c.cloths[1].material.density, config::Material{}.density);
+  EXPECT_EQ(config::find_cloth(c, *c.pins[0].cloth), 0u);
+  EXPECT_EQ(config::find_cloth(c, *c.pins[1].cloth), 1u);
+  EXPECT_EQ(read(two, {{"cloths.1.material.bending", "3e-5"}}).cloths[1].material.bending, 3e-5);
+  EXPECT_EQ(read_case(write_case(c), file), c);
+  // one is one, however it is written
+  const Case one = read("cloths: [{grid: {size: [1, 1], vertices: [3, 3]}}]");
+  EXPECT_EQ(one, read(grid));
+  EXPECT_THAT(write_case(one), testing::HasSubstr("cloth:\n"));
 }
 
 TEST(Config, FabricFillsTheMaterialAndItsKeysWin) {
   const config::Fabric& denim = *config::find_fabric("denim");
   const std::string cloth = "cloth: {grid: {size: [1, 1], vertices: [3, 3]}, ";
   const Case plain = read(cloth + "fabric: denim}");
-  EXPECT_EQ(plain.cloth.fabric, "denim");
-  EXPECT_EQ(plain.cloth.material.density, denim.density);
-  EXPECT_EQ(plain.cloth.material.bending, denim.bending);
-  EXPECT_EQ(plain.cloth.material.shear, denim.shear);
+  EXPECT_EQ(plain.cloths[0].fabric, "denim");
+  EXPECT_EQ(plain.cloths[0].material.density, denim.density);
+  EXPECT_EQ(plain.cloths[0].material.bending, denim.bending);
+  EXPECT_EQ(plain.cloths[0].material.shear, denim.shear);
   // The material may stand before the fabric.
   const Case mixed = read(cloth + "material: {density: 100 g/m^2}, fabric: denim}");
-  EXPECT_EQ(mixed.cloth.material.density, 0.1);
-  EXPECT_EQ(mixed.cloth.material.bending, denim.bending);
-  EXPECT_EQ(read(grid, {{"cloth.fabric", "silk"}}).cloth.material.density, 0.083);
+  EXPECT_EQ(mixed.cloths[0].material.density, 0.1);
+  EXPECT_EQ(mixed.cloths[0].material.bending, denim.bending);
+  EXPECT_EQ(read(grid, {{"cloth.fabric", "silk"}}).cloths[0].material.density, 0.083);
 }
 
 TEST(Config, FabricsAreCloth) {
@@ -218,7 +240,8 @@ TEST(Config, SchemaDescribesEveryKeyWritten) {
 TEST(Config, SchemaSaysWhatIsAllowed) {
   const Json schema = Json::parse(case_schema());
   EXPECT_EQ(schema["additionalProperties"], false);
-  EXPECT_EQ(schema["required"], Json({"cloth"}));
+  EXPECT_EQ(schema["oneOf"], Json::parse(R"([{"required": ["cloth"]}, {"required": ["cloths"]}])"));
+  EXPECT_EQ(schema["properties"]["cloths"]["items"], Json::parse(R"({"$ref": "#/properties/cloth"})"));
   const Json& step = schema["properties"]["time"]["properties"]["max_step"];
   EXPECT_EQ(step, Json::parse(R"({"description": "longest time step", "type": ["number", "string"],
                                  "exclusiveMinimum": 0, "x-unit": "s", "default": 0.01})"));
@@ -371,9 +394,33 @@ TEST(ConfigError, EmptyOrNotAMap) {
   EXPECT_EQ(error("hello"), at("1:1", "expected keys such as 'cloth:', found 'hello'"));
 }
 
+TEST(ConfigError, Cloths) {
+  EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 3}}\ncloths: []\n"),
+            at("2:1", "cloths and cloth exclude each other; keep one"));
+  EXPECT_EQ(error("cloths: []\n"), at("1:9", "cloths: must not be empty; give at least one cloth"));
+  const std::string two = "cloths:\n"
+                          "  - {name: shirt, line: {length: 1, vertices: 3}}\n"
+                          "  - {line: {length: 1, vertices: 3}}\n";
+  EXPECT_EQ(error(two + "pins:\n  - {vertices: [0], cloth: skirt}\n"),
+            at("5:28",
+               "pins.0.cloth: there is no cloth 'skirt' (did you mean 'shirt'?); give shirt, or a number "
+               "from 0 to 1"));
+  EXPECT_EQ(error(two + "pins:\n  - {vertices: [0], cloth: 2}\n"),
+            at("5:28", "pins.0.cloth: there is no cloth '2'; give shirt, or a number from 0 to 1"));
+  EXPECT_EQ(error(grid + "pins: [{vertices: [0], cloth: x}]\n"),
+            at("2:31", "pins.0.cloth: there is no cloth 'x'; give a number from 0 to 0"));
+  EXPECT_EQ(
+      error(two, {{"cloths.1.name", "shirt"}}),
+      "--set cloths.1.name=shirt: cloths.1.name: 'shirt' is the name of cloths.0 already; give each its "
+      "own");
+  EXPECT_EQ(
+      error(two, {{"cloths.1.name", "7"}}),
+      "--set cloths.1.name=7: cloths.1.name: must not be a number; cloths have theirs already, from 0 in "
+      "the order of the list");
+}
+
 TEST(ConfigError, MissingKey) {
-  EXPECT_EQ(error("name: a\n"),
-            at("1:1", "missing key 'cloth' (the cloth; one of grid, line and mesh); add it"));
+  EXPECT_EQ(error("name: a\n"), at("1:1", "give one of the keys cloth, cloths"));
   EXPECT_EQ(error("cloth:\n  grid: {size: [1, 1]}\n"),
             at("2:9",
                "cloth.grid: missing key 'vertices' (numbers of vertices along x and y; row i, column j is "
@@ -476,8 +523,8 @@ TEST(ConfigOverride, MakesMissingBlocks) {
 
 TEST(ConfigOverride, TakesThePlaceOfAnExclusiveKey) {
   const Case c = read(grid, {{"cloth.mesh", "a.obj"}});
-  EXPECT_EQ(c.cloth.mesh, "a.obj");
-  EXPECT_FALSE(c.cloth.grid);
+  EXPECT_EQ(c.cloths[0].mesh, "a.obj");
+  EXPECT_FALSE(c.cloths[0].grid);
   EXPECT_EQ(
       error(grid, {{"cloth.mesh", "a.obj"}, {"cloth.line", "{length: 1, vertices: 2}"}}),
       "--set cloth.line={length: 1, vertices: 2}: cloth.line and cloth.mesh exclude each other; keep one");

@@ -124,7 +124,7 @@ struct Crumpled {
   std::vector<Vec3> from, to, bodies;
 
   Crumpled(DistributedMesh mesh, unsigned seed)
-      : cloth(make_cloth(std::move(mesh), input.cloth.material)), obstacles(cloth.mesh.comm, input) {
+      : cloth(make_cloth(std::move(mesh), input.cloths[0].material)), obstacles(cloth.mesh.comm, input) {
     const auto place = random_vectors(56, 0.5, seed), motion = random_vectors(56, 0.05, seed + 1);
     for (const Global v : cloth.mesh.vertices.original) {
       from.emplace_back(place[v] + Vec3(0.5, 0.5, 0.2));

@@ -18,8 +18,8 @@ Case patch_on_a_plane(const std::string& contact, double angle = 0, double frict
                           "obstacles:\n  - {{plane: {{normal: [{:.17g}, 0, {:.17g}]}}, friction: {}}}\n"
                           "contact: {{thickness: 0.001, check: step, {}}}\n",
                           normal[0], normal[2], friction, contact));
-  input.cloth.start.rotate = {Vec3::UnitY(), angle};
-  input.cloth.start.translate = 1e-3 * normal;
+  input.cloths[0].start.rotate = {Vec3::UnitY(), angle};
+  input.cloths[0].start.translate = 1e-3 * normal;
   return input;
 }
 

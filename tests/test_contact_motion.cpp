@@ -97,8 +97,8 @@ Slid slide(double angle, double friction) {
                                          "friction: {}}}\ncontact: {{thickness: 0.001, check: step}}\n",
                                          patch, normal[0], normal[2], friction));
   Case turned = input;
-  turned.cloth.start.rotate = {Vec3::UnitY(), angle};
-  turned.cloth.start.translate = start;
+  turned.cloths[0].start.rotate = {Vec3::UnitY(), angle};
+  turned.cloths[0].start.translate = start;
   Simulation simulation(world, turned);
   IntersectionCheck check(simulation.cloth(), simulation.obstacles(), turned);
   const auto centre = [&] {
@@ -187,7 +187,7 @@ TEST(ContactProjection, FallsAlikeAtAnyNumberOfRanksUntilItTouches) {
   const auto run = [](MPI_Comm comm) {
     Case input = case_of(heap);
     input.time.end = 0.1;
-    input.cloth.start.translate[2] += 0.05;
+    input.cloths[0].start.translate[2] += 0.05;
     input.velocity.solver = input.inextensibility.solver = config::LinearSolver::mumps;
     Simulation simulation(comm, input);
     Recorder record(simulation);

@@ -1,5 +1,6 @@
 #include "partition/yarns.hpp"
 #include "src/command/command.hpp"
+#include "src/config/cloths.hpp"
 #include "src/state/start.hpp"
 #include "src/time/checkpoint.hpp"
 
@@ -32,14 +33,24 @@ Global count_frames(const fs::path& folder) {
   return frames;
 }
 
+/// Of one cloth of several.
+std::string cloth_line(const std::string& name, Global vertices, Global cells, const char* of) {
+  return fmt::format("    {:<10} {} vertices, {} {}\n", name, vertices, cells, of);
+}
+
 std::string describe_finished(const fs::path& folder, const Json& s) {
   const auto number = [&](const char* group, const char* key) { return s.at(group).at(key).get<double>(); };
   const std::string limit = s.at("strain").at("limit").is_null()
                                 ? "none kept"
                                 : fmt::format("limit {:.3g} %", 100 * number("strain", "limit"));
+  const Json all = s.value("cloths", Json::array());
+  std::string cloths;
+  for (std::size_t k = 0; k < all.size() && all.size() > 1; ++k)
+    cloths += cloth_line(all[k].at("name").get<std::string>(), all[k].at("vertices").get<Global>(),
+                         all[k].at("faces").get<Global>(), "faces");
   std::string text = fmt::format(
       "{}: case {}, {} on {} ranks by taut {}\n"
-      "  cloth       {} vertices, {} faces, {} constrained edges\n"
+      "  cloth       {} vertices, {} faces, {} constrained edges\n{}"
       "  time        {:.6g} s in {} steps ({} rejected), {} frames\n"
       "  strain      {:.3g} % at most ({}), rms {:.3g} %, 99.9 % of edges below {:.3g} %\n"
       "  projection  {}: {:.2f} iterations a step (at most {}), {:.1f} CG iterations each\n"
@@ -49,7 +60,7 @@ std::string describe_finished(const fs::path& folder, const Json& s) {
       "{:.0f} MB\n",
       folder.string(), s.at("case").get<std::string>(), s.at("status").get<std::string>(),
       s.at("ranks").get<int>(), s.at("version").get<std::string>(), s.at("vertices").get<Global>(),
-      s.at("faces").get<Global>(), s.at("constraints").get<Global>(), s.at("end_time").get<double>(),
+      s.at("faces").get<Global>(), s.at("constraints").get<Global>(), cloths, s.at("end_time").get<double>(),
       s.at("steps").get<Global>(), s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(),
       100 * number("strain", "max"), limit, 100 * number("strain", "rms"), 100 * number("strain", "p999"),
       s.at("projection").at("method").get<std::string>(), number("projection", "iterations_mean"),
@@ -106,14 +117,18 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
   max_in_place(comm, extent);
   mass = sum_over(comm, mass);
   length = sum_over(comm, length);
+  std::string cloths;
+  for (std::size_t k = 0; k < cloth.pieces.size() && cloth.pieces.size() > 1; ++k)
+    cloths +=
+        cloth_line(config::name_of_cloth(input, k), cloth.pieces[k].vertices, cloth.pieces[k].cells, "cells");
   return fmt::format(
       "{}: case {}\n"
-      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n"
+      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
       "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
       "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
       file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
-      length / double(std::max<Global>(mesh.edges.total, 1)), mass, -extent[0], extent[3], -extent[1],
+      length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, -extent[0], extent[3], -extent[1],
       extent[4], -extent[2], extent[5], yarns, double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
       length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
       mesh.report.ghosts_max);

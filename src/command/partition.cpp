@@ -62,12 +62,13 @@ int partition(MPI_Comm comm, const PartitionOptions& options) {
         fmt::format("--ranks {}: give the number of ranks to cut the cloth for, at least 1", options.ranks));
   const Case input = load_case(comm, options.source);
   const UndistributedCloth cloth = read_cloth(comm, input);
-  if (options.ranks > cloth.slab.vertices.total)
+  if (options.ranks > cloth.mesh.slab.vertices.total)
     throw InputError(fmt::format("--ranks {}: the cloth has only {} vertices; give no more ranks than that",
-                                 options.ranks, cloth.slab.vertices.total));
-  const auto owners =
-      taut::partition(comm, cloth.slab, cloth.topology, Partitioner(input.partition.method), options.ranks);
-  const PartitionFigures figures = partition_figures(comm, cloth.slab, cloth.topology, owners, options.ranks);
+                                 options.ranks, cloth.mesh.slab.vertices.total));
+  const auto owners = taut::partition(comm, cloth.mesh.slab, cloth.mesh.topology,
+                                      Partitioner(input.partition.method), options.ranks);
+  const PartitionFigures figures =
+      partition_figures(comm, cloth.mesh.slab, cloth.mesh.topology, owners, options.ranks);
   const char* method = config::words_of(input.partition.method)[std::size_t(input.partition.method)].data();
   if (!options.json.empty()) write_text_whole(comm, options.json, json(input.name, method, figures));
   if (rank_of(comm) == 0) fmt::print("{}", table(input.name, method, figures));

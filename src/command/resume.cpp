@@ -27,6 +27,12 @@ constexpr std::array fixed_keys{
     FixedKey{"cloth.line", "the state belongs to its vertices"},
     FixedKey{"cloth.scale", "the state belongs to the mesh as it was scaled"},
     FixedKey{"cloth.start", "the run has left its start already"},
+    FixedKey{"cloths.*.grid", "the state belongs to its vertices"},
+    FixedKey{"cloths.*.line", "the state belongs to its vertices"},
+    FixedKey{"cloths.*.scale", "the state belongs to the mesh as it was scaled"},
+    FixedKey{"cloths.*.start", "the run has left its start already"},
+    FixedKey{"pins.*.cloth", "a vertex pinned on the way would jump back to its start"},
+    FixedKey{"pins.*.range", "a vertex pinned on the way would jump back to its start"},
     FixedKey{"pins.*.vertices", "a vertex pinned on the way would jump back to its start"},
     FixedKey{"pins.*.box", "a vertex pinned on the way would jump back to its start"},
     FixedKey{"pins.*.near", "a vertex pinned on the way would jump back to its start"},
@@ -46,10 +52,14 @@ std::string shortened(const std::string& text) {
   return text.size() <= longest ? text : text.substr(0, longest) + "...";
 }
 
+constexpr std::array file_keys{"cloth.mesh", "cloth.start.shape", "cloths.*.mesh", "cloths.*.start.shape"};
+
 /// Says what is new since the checkpoint; throws for what must stay. A mesh may lie elsewhere now.
 void tell_changes(MPI_Comm comm, const Case& before, const Case& after) {
   for (const KeyChange& c : changes_between(before, after)) {
-    if (c.key == "cloth.mesh" || c.key == "cloth.start.shape") continue;
+    if (std::any_of(file_keys.begin(), file_keys.end(),
+                    [&](const char* key) { return is_below(c.key, key); }))
+      continue;
     for (const FixedKey& fixed : fixed_keys)
       if (is_below(c.key, fixed.key))
         throw InputError(fmt::format("{}: {} was {} and is {} now, but a resumed run cannot change it: {}; "

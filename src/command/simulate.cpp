@@ -5,11 +5,13 @@
 #include "src/command/run_folder.hpp"
 #include "src/config/methods.hpp"
 #include "src/time/checkpointer.hpp"
+#include "src/time/make_forces.hpp"
 #include "src/time/step_log.hpp"
 #include "src/time/stop_signal.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace taut::command {
@@ -20,17 +22,12 @@ namespace fs = std::filesystem;
 
 /// The case as run, to be run again from anywhere.
 std::string case_as_run(Case input) {
-  std::vector<std::optional<fs::path>*> paths{&input.cloth.mesh, &input.cloth.start.shape};
+  std::vector<std::optional<fs::path>*> paths;
+  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.start.shape});
   for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
   for (auto* path : paths)
     if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
   return write_case(input);
-}
-
-std::vector<std::string> potential_names(const Forces& forces) {
-  std::vector<std::string> names;
-  for (const auto& force : forces) names.emplace_back(force->name());
-  return names;
 }
 
 int exit_code(Ending ending) {
@@ -73,7 +70,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
                                 : std::vector<XdmfFrame>{};
   tell_of_holes(comm, input, simulation.obstacles());
   FrameWriter frames(simulation.cloth(), simulation.obstacles(), input, out, std::move(earlier));
-  StepLog log(comm, out / "steps.csv", potential_names(simulation.forces()), input.pins.size(), state.step);
+  StepLog log(comm, out / "steps.csv", energy_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, course.progress, steps.frames(), input.time.end);
   IntersectionCheck intersections(simulation.cloth(), simulation.obstacles(), input);
   Summary summary(simulation, input, intersections, course.totals, course.began);
@@ -103,8 +100,10 @@ namespace {
 
 void warn_of_locking(const Simulation& simulation) {
   const config::Inextensibility& limits = simulation.inextensibility();
-  if (!simulation.cloth().mesh.triangles_only || limits.constrain != config::Constrain::edges ||
-      !simulation.strain_limit())
+  const auto& pieces = simulation.cloth().pieces;
+  const bool has_triangles_only =
+      std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.triangles_only; });
+  if (!has_triangles_only || limits.constrain != config::Constrain::edges || !simulation.strain_limit())
     return;
   fmt::print(stderr,
              "taut: warning: a mesh of triangles locks if all its edges keep their lengths: it folds only "

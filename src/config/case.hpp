@@ -66,14 +66,17 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+/// One cloth of a case.
 struct Cloth {
-  std::optional<Grid> grid; ///< exactly one of grid, line and mesh is there
+  std::optional<std::string> name; ///< for messages and pins; absent: its number
+  std::optional<Grid> grid;        ///< exactly one of grid, line and mesh is there
   std::optional<Line> line;
   std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
   double scale = 1;                          ///< m per unit of the mesh and of `start.shape`
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
   Material material;
+  std::optional<double> thickness; ///< m, see Contact; absent: that of `contact`
   bool operator==(const Cloth&) const = default;
 };
 
@@ -104,6 +107,7 @@ struct Pin {
   std::optional<std::array<int, 2>> range;     ///< the first and the last vertex
   std::optional<Box> box;
   std::optional<std::vector<Vec3>> near; ///< m
+  std::optional<std::string> cloth;      ///< name or number of the cloth meant; absent: all of them together
   std::optional<Vec3> along;             ///< free to slide along this axis, of any length
   std::optional<Vec3> plane;             ///< free to slide in the plane with this normal, of any length
   std::vector<Keyframe> motion;          ///< times increase strictly; empty: the pin rests
@@ -274,7 +278,7 @@ namespace taut {
 
 struct Case {
   std::string name;
-  config::Cloth cloth;
+  std::vector<config::Cloth> cloths{1}; ///< at least one; their vertices are numbered one after the other
   std::vector<config::Pin> pins;
   Vec3 gravity{0, 0, -9.81};      ///< m/s^2
   std::optional<config::Air> air; ///< absent: vacuum

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/config/cloths.hpp"
 #include "src/config/describe_cloth.hpp"
 #include "src/config/describe_scene.hpp"
 #include "src/config/describe_solver.hpp"
@@ -18,14 +19,16 @@
 ///
 /// A visitor `v` is called as
 ///   v(name, member, Key)         for each key;
-///   v.exactly_one({names})       before the keys of which exactly one is to be given (optional members);
-///   v.check(name, holds, cure)   after the keys, for what a range cannot say.
+///   v.one_or_list("one", "list", member, Key)   for a vector that is given as one block or as a list of
+///   them; v.exactly_one({names})       before the keys of which exactly one is to be given (optional
+///   members); v.check(name, holds, cure)   after the keys, for what a range cannot say; the name may be a
+///   path below.
 namespace taut::config {
 
 template<class V>
 void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
-  v("cloth", c.cloth, {.presence = Presence::required, .meaning = "the cloth; one of grid, line and mesh"});
+  v.one_or_list("cloth", "cloths", c.cloths, {.meaning = "the cloth; one of grid, line and mesh"});
   v("pins", c.pins, {.meaning = "what holds the cloth"});
   v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
@@ -40,6 +43,8 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
+  v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
+  if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(
       "time",
       c.time.integrator == Integrator::implicit_euler ||

@@ -91,6 +91,7 @@ void describe(V& v, Is<Material> auto& m) {
 
 template<class V>
 void describe(V& v, Is<Cloth> auto& c) {
+  v("name", c.name, {.computed_default = "its number", .meaning = "how pins and messages call it"});
   v.exactly_one({"grid", "line", "mesh"});
   v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
   v("line", c.line, {.meaning = "a chain of line elements along x"});
@@ -100,6 +101,11 @@ void describe(V& v, Is<Cloth> auto& c) {
   v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
   v("material", c.material,
     {.computed_default = "of the fabric, if one is named", .meaning = "what the cloth is made of"});
+  v("thickness", c.thickness,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "`contact.thickness`",
+     .meaning = "distance kept between two layers of it; to another cloth, the mean of both is kept"});
 }
 
 } // namespace taut::config

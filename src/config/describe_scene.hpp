@@ -47,6 +47,9 @@ void describe(V& v, Is<Pin> auto& p) {
   v("range", p.range, {.range = not_negative, .meaning = "numbers of the first and the last vertex"});
   v("box", p.box, {.meaning = "all vertices whose start position is inside"});
   v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("cloth", p.cloth,
+    {.computed_default = "all cloths together",
+     .meaning = "name or number of the cloth that is meant, in which vertices are then numbered"});
   v("along", p.along, {.meaning = "axis along which the vertices may slide; none: they are held"});
   v("plane", p.plane,
     {.meaning = "normal of the plane in which the vertices may slide; none: they are held"});
@@ -153,7 +156,7 @@ void describe(V& v, Is<Contact> auto& c) {
   v("thickness", c.thickness,
     {.unit = Unit::metre,
      .range = positive,
-     .computed_default = "a tenth of the mean edge",
+     .computed_default = "a tenth of the mean edge of each cloth",
      .meaning = "distance kept between midsurfaces"});
   v("friction", c.friction, {.range = not_negative, .meaning = "Coulomb coefficient of cloth on cloth"});
   v("max_iterations", c.max_iterations,

@@ -42,8 +42,7 @@ void Reader::exactly_one(std::initializer_list<std::string_view> names) {
 
 void Reader::check(std::string_view name, bool holds, std::string_view cure) const {
   if (holds) return;
-  const Entry* entry = map_.find(name);
-  throw InputError(fmt::format("{}: {}: {}", entry ? entry->value.place : map_.place, path_of(name), cure));
+  throw InputError(fmt::format("{}: {}: {}", find_deepest(map_, name).place, path_of(name), cure));
 }
 
 std::string Reader::path_of(std::string_view name) const {
@@ -68,10 +67,9 @@ std::string default_name(const std::filesystem::path& file) {
 
 /// The material that stands before the keys of `material` are read; an unknown fabric is for the reader to
 /// refuse.
-Material initial_material(const Tree& root) {
+Material initial_material(const Tree& cloth) {
   Material material;
-  const Entry* cloth = root.find("cloth");
-  const Entry* name = cloth ? cloth->value.find("fabric") : nullptr;
+  const Entry* name = cloth.find("fabric");
   if (const Fabric* fabric = name ? find_fabric(name->value.text) : nullptr) {
     material.density = fabric->density;
     material.bending = fabric->bending;
@@ -81,6 +79,11 @@ Material initial_material(const Tree& root) {
 }
 
 } // namespace
+
+void read(const Spot& spot, Cloth& value) {
+  value.material = initial_material(spot.tree);
+  read_keys(spot, value);
+}
 
 } // namespace config
 
@@ -93,7 +96,6 @@ Case read_case(const std::string& text, const std::string& file_name, std::span<
   Case input;
   input.name = default_name(file);
   input.file = file;
-  input.cloth.material = initial_material(root);
   const Key whole;
   read(Spot{root, "", whole}, input);
   return input;

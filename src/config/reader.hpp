@@ -17,6 +17,10 @@ public:
   void operator()(std::string_view name, const T&, const Key&) {
     list_.emplace_back(name);
   }
+  template<class T>
+  void one_or_list(std::string_view one, std::string_view list, const std::vector<T>&, const Key&) {
+    list_.insert(list_.end(), {std::string(one), std::string(list)});
+  }
   void exactly_one(std::initializer_list<std::string_view>) {}
   void check(std::string_view, bool, std::string_view) {}
 
@@ -34,6 +38,8 @@ public:
 
   template<class T>
   void operator()(std::string_view name, T& value, const Key& key);
+  template<class T>
+  void one_or_list(std::string_view one, std::string_view list, std::vector<T>& values, const Key& key);
   void exactly_one(std::initializer_list<std::string_view> names);
   void check(std::string_view name, bool holds, std::string_view cure) const;
 
@@ -47,12 +53,20 @@ private:
 };
 
 template<class Struct>
-void read(const Spot& spot, Struct& value) requires std::is_class_v<Struct> {
+void read_keys(const Spot& spot, Struct& value) {
   Names names;
   describe(names, value);
   Reader reader(spot, names.list());
   describe(reader, value);
 }
+
+template<class Struct>
+void read(const Spot& spot, Struct& value) requires std::is_class_v<Struct> {
+  read_keys(spot, value);
+}
+
+/// A fabric fills the material before the keys of that are read.
+void read(const Spot& spot, Cloth& value);
 
 template<class Choice>
 void read(const Spot& spot, Choice& value) requires std::is_enum_v<Choice> {
@@ -88,6 +102,15 @@ void Reader::operator()(std::string_view name, T& value, const Key& key) {
     read(Spot{entry->value, path_of(name), key}, value);
   else if (key.presence == Presence::required)
     fail_missing(name, key);
+}
+
+template<class T>
+void Reader::one_or_list(std::string_view one, std::string_view list, std::vector<T>& values,
+                         const Key& key) {
+  exactly_one({one, list});
+  if (!map_.find(one)) return (*this)(list, values, key);
+  values.assign(1, T{});
+  (*this)(one, values.front(), key);
 }
 
 } // namespace taut::config

@@ -2,6 +2,7 @@
 #include "src/config/describe.hpp"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <initializer_list>
 
 namespace taut {
@@ -110,6 +111,16 @@ public:
     else if constexpr (requires { json_of(value); })
       schema["default"] = json_of(value);
     properties_[std::string(name)] = std::move(schema);
+  }
+  /// Of the whole case: the reference begins at the root.
+  template<class T>
+  void one_or_list(std::string_view one, std::string_view list, const std::vector<T>&, const Key& key) {
+    exactly_one({one, list});
+    (*this)(one, T{}, key);
+    properties_[std::string(list)] = {{"description", fmt::format("several, as `{}`", one)},
+                                      {"type", "array"},
+                                      {"items", {{"$ref", fmt::format("#/properties/{}", one)}}},
+                                      {"minItems", 1}};
   }
   void exactly_one(std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) one_of_.push_back({{"required", {name}}});

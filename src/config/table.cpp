@@ -42,11 +42,15 @@ std::string plural(const std::string& type) {
 }
 
 std::string type_of(const Json& schema) {
+  if (schema.contains("$ref")) {
+    const auto path = schema.at("$ref").get<std::string>();
+    return fmt::format("block as `{}`", path.substr(path.rfind('/') + 1));
+  }
   if (is_quantity(schema)) return "number" + range_of(schema);
   const auto type = schema.at("type").get<std::string>();
   if (type == "array") {
     const std::string items = plural(type_of(schema.at("items")));
-    return schema.contains("minItems") ? schema["minItems"].dump() + " " + items : "list of " + items;
+    return schema.contains("maxItems") ? schema["minItems"].dump() + " " + items : "list of " + items;
   }
   if (type == "object") return "block";
   if (type == "integer") return "integer" + range_of(schema);

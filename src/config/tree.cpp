@@ -135,6 +135,22 @@ Entry* Tree::find(std::string_view key) {
   return nullptr;
 }
 
+const Tree& find_deepest(const Tree& tree, std::string_view path) {
+  const Tree* at = &tree;
+  for (const std::string& part : split(std::string(path))) {
+    std::size_t index = 0;
+    if (at->kind == Tree::Kind::list) std::from_chars(part.data(), part.data() + part.size(), index);
+    const Entry* entry = at->find(part);
+    if (entry)
+      at = &entry->value;
+    else if (at->kind == Tree::Kind::list && index < at->items.size())
+      at = &at->items[index];
+    else
+      break;
+  }
+  return *at;
+}
+
 std::string Tree::found() const {
   switch (kind) {
   case Kind::scalar:

@@ -23,6 +23,10 @@ struct Tree {
   std::string found() const; ///< what it is, for "expected ..., found ..."
 };
 
+/// The value below `tree` that a path such as "pins.1.cloth" leads to; where the path ends early, the last
+/// one on it.
+const Tree& find_deepest(const Tree& tree, std::string_view path);
+
 /// Who wrote a key: an override takes the place of what stands in the file.
 enum class Origin { file, override };
 

@@ -82,6 +82,11 @@ public:
     write(out_, value);
     if (key.unit != Unit::none) out_ << YAML::Comment(std::string(name_of(key.unit).symbol));
   }
+  template<class T>
+  void one_or_list(std::string_view one, std::string_view list, const std::vector<T>& values,
+                   const Key& key) {
+    values.size() == 1 ? (*this)(one, values.front(), key) : (*this)(list, values, key);
+  }
   void exactly_one(std::initializer_list<std::string_view>) {}
   void check(std::string_view, bool, std::string_view) {}
 

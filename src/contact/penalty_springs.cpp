@@ -1,7 +1,6 @@
 #include "src/contact/penalty_springs.hpp"
 
 #include "src/contact/friction.hpp"
-#include "src/contact/thickness.hpp"
 
 #include <Eigen/Geometry>
 
@@ -30,10 +29,10 @@ struct PenaltySprings::Spring {
 };
 
 PenaltySprings::PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity),
-      thickness_(contact_thickness(cloth, input)), search_(cloth, obstacles) {
+    : obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity), thickness_(cloth, input),
+      search_(cloth, obstacles) {
   const config::Penalty given = contact_.penalty.value_or(config::Penalty{});
-  stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_));
+  stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_.largest()));
   damping_ = given.damping * stiffness_;
 }
 
@@ -45,7 +44,7 @@ void PenaltySprings::find_pairs(const State& state, double dt) const {
   spins_ = obstacles_.spins(state.time, state.time + dt);
   obstacles_.place(state.time, bodies_from_);
   obstacles_.place(state.time + dt, bodies_to_);
-  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_, 0.0);
+  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_.largest(), 0.0);
   search_.gather(state.positions, bodies_from_, start_field_);
   search_.gather(target_, bodies_to_, displacement_);
   for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
@@ -67,10 +66,10 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
     s.weights[i] = 0;
   }
   const Vec3& n = here.normal;
-  const double ahead = thickness_ - here.gap - n.dot(moves);
+  const double thickness = thickness_.of(pair, search_.keys());
+  const double ahead = thickness - here.gap - n.dot(moves);
   if (ahead <= 0) return {};
-  s.force =
-      (stiffness_ * (thickness_ - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
+  s.force = (stiffness_ * (thickness - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
   s.resists[0] = std::sqrt(dt * dt * stiffness_ + dt * damping_) * n;
   const double friction = friction_of(pair, obstacles_, contact_);
   if (pair.body >= 0) {
@@ -78,7 +77,7 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
     body_moves -= spins_[pair.body] * n;
   }
   const Vec3 slip = moves - n.dot(moves) * n, body_slip = body_moves - n.dot(body_moves) * n;
-  const double pressed = stiffness_ * std::max(0.0, thickness_ - here.gap); // by the step before
+  const double pressed = stiffness_ * std::max(0.0, thickness - here.gap); // by the step before
   const double drag = friction * pressed / std::max(slip.norm() / dt, creep);
   s.force -= drag / dt * body_slip; // sum w_i v_i of the body has the sign of its weights
   const Vec3 first = n.unitOrthogonal();

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/contact/contact_search.hpp"
+#include "src/contact/thickness.hpp"
 #include "src/forces/force.hpp"
 
 namespace taut {
@@ -32,7 +33,8 @@ private:
   const Obstacles& obstacles_;
   config::Contact contact_;
   Vec3 gravity_;
-  double thickness_, stiffness_, damping_;
+  Thickness thickness_;
+  double stiffness_, damping_;
   // room for the work of a step; no memory from one to the next
   mutable ContactSearch search_;
   mutable std::vector<Mat3> spins_;

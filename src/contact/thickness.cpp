@@ -1,5 +1,7 @@
 #include "src/contact/thickness.hpp"
 
+#include "src/config/cloths.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,30 +11,52 @@ namespace taut {
 
 namespace {
 
-double shortest_edge(const Cloth& cloth) {
+/// Of the edges of a piece, over all ranks.
+struct Edges {
+  double shortest, mean; ///< m
+};
+
+Edges edges_of(const Cloth& cloth, std::size_t piece) {
   double shortest = HUGE_VAL;
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) shortest = std::min(shortest, cloth.rest_length[e]);
-  return -max_over(cloth.mesh.comm, -shortest);
+  std::array<double, 2> sums{}; // m, number
+  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) {
+    if (cloth.piece_of(cloth.mesh.edge_vertices[e][0]) != piece) continue;
+    shortest = std::min(shortest, cloth.rest_length[e]);
+    sums[0] += cloth.rest_length[e];
+    ++sums[1];
+  }
+  sum_in_place(cloth.mesh.comm, sums);
+  return {-max_over(cloth.mesh.comm, -shortest), sums[0] / std::max(1.0, sums[1])};
 }
 
-double mean_edge(const Cloth& cloth) {
-  double sum = 0;
-  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) sum += cloth.rest_length[e];
-  return sum_over(cloth.mesh.comm, sum) / double(std::max<Global>(1, cloth.mesh.edges.total));
+double thickness_of(const Cloth& cloth, const Case& input, std::size_t k) {
+  const config::Contact contact = input.contact.value_or(config::Contact{});
+  const Edges edges = edges_of(cloth, k);
+  const auto& own = input.cloths[k].thickness;
+  const double thickness = own ? *own : contact.thickness.value_or(0.1 * edges.mean);
+  const double most = 0.5 * edges.shortest;
+  if (thickness > most)
+    throw InputError(fmt::format(
+        "{}: {}: {:.4g} m is more than half the shortest edge{} "
+        "({:.4g} m), so that neighbours would push each other apart; give at most {:.4g}",
+        input.file.string(), own ? config::key_of_cloth(input, k) + ".thickness" : "contact.thickness",
+        thickness, input.cloths.size() > 1 ? " of " + config::name_of_cloth(input, k) : "", 2 * most, most));
+  return thickness;
 }
 
 } // namespace
 
-double contact_thickness(const Cloth& cloth, const Case& input) {
-  const config::Contact contact = input.contact.value_or(config::Contact{});
-  const double thickness = contact.thickness.value_or(0.1 * mean_edge(cloth));
-  const double most = 0.5 * shortest_edge(cloth);
-  if (thickness > most)
-    throw InputError(
-        fmt::format("{}: contact.thickness: {:.4g} m is more than half the shortest edge "
-                    "({:.4g} m), so that neighbours would push each other apart; give at most {:.4g}",
-                    input.file.string(), thickness, 2 * most, most));
-  return thickness;
+Thickness::Thickness(const Cloth& cloth, const Case& input) : cloth_(cloth) {
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) of_piece_.push_back(thickness_of(cloth, input, k));
+  largest_ = *std::max_element(of_piece_.begin(), of_piece_.end());
+  smallest_ = *std::min_element(of_piece_.begin(), of_piece_.end());
+}
+
+double Thickness::of_features(Global first, Global second) const {
+  const Global cloths = cloth_.mesh.vertices.total; // keys of obstacles come after them
+  if (first >= cloths) std::swap(first, second);
+  const double one = of_piece_[cloth_.piece_of_original(first)];
+  return second >= cloths ? one : 0.5 * (one + of_piece_[cloth_.piece_of_original(second)]);
 }
 
 } // namespace taut

@@ -1,10 +1,31 @@
 #pragma once
+#include "src/contact/pair.hpp"
 #include "src/state/cloth.hpp"
 
 namespace taut {
 
-/// What contact keeps between midsurfaces, in m: `contact.thickness`, or a tenth of the mean edge. Throws
-/// InputError if neighbours in the cloth would push each other apart. Collective.
-double contact_thickness(const Cloth& cloth, const Case& input);
+/// The distance that contact keeps between the midsurface of cloth and whatever it touches: half the
+/// thickness of each of two cloths, the whole of one against an obstacle (to which that adds its own).
+class Thickness {
+public:
+  /// Of a piece without a thickness of its own that of `contact`; without that, a tenth of its mean edge.
+  /// Throws InputError for one that the mesh cannot have. Collective.
+  Thickness(const Cloth& cloth, const Case& input);
+
+  double largest() const { return largest_; }   ///< m, of all pairs
+  double smallest() const { return smallest_; } ///< m
+
+  /// In m, of a pair whose vertices have these keys (ContactSearch::keys).
+  double of(const Pair& pair, std::span<const Global> keys) const {
+    return of_piece_.size() == 1 ? largest_ : of_features(keys[pair.vertices[0]], keys[pair.vertices[3]]);
+  }
+
+private:
+  double of_features(Global first, Global second) const;
+
+  const Cloth& cloth_;
+  std::vector<double> of_piece_; ///< m
+  double largest_, smallest_;
+};
 
 } // namespace taut

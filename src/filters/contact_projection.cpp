@@ -1,7 +1,6 @@
 #include "src/filters/contact_projection.hpp"
 
 #include "partition/traffic.hpp"
-#include "src/contact/thickness.hpp"
 #include "src/state/strain_gauge.hpp"
 
 #include <Eigen/Geometry>
@@ -36,8 +35,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
                                      double weight)
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
-      system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_),
-      thickness_(contact_thickness(cloth, input)),
+      system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_), thickness_(cloth, input),
       compliance_(
           limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
@@ -104,7 +102,7 @@ void ContactProjection::propose(Candidate& candidate) const {
 void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
                               const Candidate& candidate) {
   dt_ = dt;
-  fall_ = gravity_ > 0 ? std::min(thickness_, gravity_ * dt * dt) : thickness_;
+  fall_ = gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * dt * dt) : thickness_.smallest();
   for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
   at_home_ = start.contacts;
@@ -132,8 +130,8 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
 }
 
 void ContactProjection::search() {
-  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_,
-               slack * thickness_);
+  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_.largest(),
+               slack * thickness_.largest());
   searched_ = target_;
   search_.gather(start_.cloth, start_.obstacles, start_field_);
   mobility_.assign(search_.size(), Vec3::Zero());
@@ -203,7 +201,7 @@ bool ContactProjection::target_left_search() const {
   double farthest = 0;
   for (Local i = 0; i < search_.own(); ++i)
     farthest = std::max(farthest, (target_.cloth[i] - searched_.cloth[i]).squaredNorm());
-  return std::sqrt(max_over(comm_, farthest)) > slack * thickness_;
+  return std::sqrt(max_over(comm_, farthest)) > slack * thickness_.largest();
 }
 
 /// The fraction of the way to the target on which no pair comes too near.
@@ -217,7 +215,7 @@ double ContactProjection::step_length() {
     Four u = at(pair, target_field_);
     for (int i = 0; i < 4; ++i) u[i] -= x[i];
     const double gap = approaches_[k].gap;
-    const double part = advance(pair, x, u, floor_of(gap, thickness_));
+    const double part = advance(pair, x, u, floor_of(gap, thickness_.of(pair, search_.keys())));
     if (part < 1) {
       blocked_.insert(name_of(pair, search_.keys()));
       stuck_.push_back(Local(k));

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/contact/thickness.hpp"
 #include "src/filters/contact_qp.hpp"
 #include "src/filters/velocity_filter.hpp"
 
@@ -36,8 +37,6 @@ public:
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
-  double thickness() const { return thickness_; } ///< m
-
 private:
   /// Cloth (local vertices) and obstacles.
   struct Scene {
@@ -73,12 +72,13 @@ private:
   ContactSearch search_;
   ProjectionSystem system_;
   ContactQp qp_;
-  double thickness_, compliance_, gravity_;
+  Thickness thickness_;
+  double compliance_, gravity_;
 
   // of the step in hand
   double dt_ = 0;
   const Freedom* freedom_ = nullptr;
-  double fall_ = 0; ///< m that gravity moves a free vertex, at most the thickness
+  double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
   int iteration_ = 0;
   Global contacts_ = 0; ///< normal rows over all ranks
   Scene start_, safe_, target_;

@@ -3,7 +3,6 @@
 #include "src/config/methods.hpp"
 #include "src/contact/friction.hpp"
 #include "src/contact/rows.hpp"
-#include "src/contact/thickness.hpp"
 #include "src/linear/bounded_qp.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +25,7 @@ constexpr double search_slack = 1.0;  ///< of the thickness: how far a target ma
 
 ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
     : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
-      contact_(input.contact.value_or(config::Contact{})), thickness_(contact_thickness(cloth, input)),
+      contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
       is_last_(config::contact_is_last(input)), inverse_mass_(cloth.mesh.vertices.size()) {}
 
 FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
@@ -80,7 +79,8 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
 }
 
 void ImpulseContact::search() {
-  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_, search_slack * thickness_);
+  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_.largest(),
+               search_slack * thickness_.largest());
   searched_ = target_;
   search_.gather(start_, bodies_from_, start_field_);
   mobility_.assign(search_.size(), Vec3::Zero());
@@ -98,7 +98,7 @@ bool ImpulseContact::left_search() const {
   double farthest = 0;
   for (Local i = 0; i < search_.own(); ++i)
     farthest = std::max(farthest, (target_[i] - searched_[i]).squaredNorm());
-  return std::sqrt(max_over(cloth_.mesh.comm, farthest)) > search_slack * thickness_;
+  return std::sqrt(max_over(cloth_.mesh.comm, farthest)) > search_slack * thickness_.largest();
 }
 
 /// Nothing, where nothing can be moved.
@@ -118,8 +118,9 @@ std::vector<ImpulseContact::Impact> ImpulseContact::too_near() const {
   std::vector<Impact> found;
   for (const Pair& pair : search_.pairs()) {
     const Approach here = approach(pair, at(pair, start_field_));
-    if (here.gap >= thickness_) continue;
-    if (const auto pushed = impact(pair, here, recovered * (thickness_ - here.gap))) found.push_back(*pushed);
+    const double missing = thickness_.of(pair, search_.keys()) - here.gap;
+    if (missing <= 0) continue;
+    if (const auto pushed = impact(pair, here, recovered * missing)) found.push_back(*pushed);
   }
   return found;
 }
@@ -130,10 +131,11 @@ std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
   for (const Pair& pair : search_.pairs()) {
     Four x = at(pair, start_field_);
     const Four u = at(pair, displacement_);
-    const double part = advance(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness_));
+    const double thickness = thickness_.of(pair, search_.keys());
+    const double part = advance(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness));
     if (part == 1) continue;
     for (int i = 0; i < 4; ++i) x[i] += part * u[i];
-    const auto met = impact(pair, approach(pair, x), 2 * program_left * thickness_);
+    const auto met = impact(pair, approach(pair, x), 2 * program_left * thickness);
     if (!met) continue;
     found.push_back(*met);
     zone[name_of(pair, search_.keys())] = *met;
@@ -173,7 +175,7 @@ void ImpulseContact::part_all(const Zone& zone) {
   for (const auto& [name, met] : zone) impacts.push_back(met);
   const std::size_t n = impacts.size();
   std::vector<double> missing(n), sizes(n, 0.0), lower(n, 0.0), upper(n, HUGE_VAL),
-      tolerance(n, program_left * thickness_);
+      tolerance(n, program_left * thickness_.smallest());
   for (std::size_t k = 0; k < n; ++k)
     missing[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
   constexpr double compliance = 1e-3; // of a row's diagonal: rows may depend on one another

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/contact/contact_search.hpp"
+#include "src/contact/thickness.hpp"
 #include "src/filters/velocity_filter.hpp"
 
 #include <map>
@@ -52,7 +53,7 @@ private:
   const Obstacles& obstacles_;
   ContactSearch search_;
   config::Contact contact_;
-  double thickness_;
+  Thickness thickness_;
   bool is_last_; ///< and so must leave nothing that meets
 
   // of the step in hand

@@ -20,7 +20,8 @@ enum class RestAngle {
 class AngleBending : public Force {
 public:
   /// `cloth` must outlive the force; `damping` is the stiffness-proportional damping in s.
-  AngleBending(const Cloth& cloth, std::span<const Fold> folds, RestAngle rest, double damping);
+  AngleBending(const Cloth& cloth, std::span<const Fold> folds, RestAngle rest,
+               const PerPiece<double>& damping);
 
   std::string_view name() const override { return "bending"; }
   double energy(const State& state) const override;
@@ -30,10 +31,10 @@ private:
   struct Bend {
     Fold fold;
     double rest_angle;
+    double damping; ///< s
   };
 
   const Cloth& cloth_;
-  double damping_;
   std::vector<Bend> bends_;
 };
 

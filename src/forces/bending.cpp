@@ -28,19 +28,21 @@ std::array<double, 3> curvature_weights(double l1, double l2) {
   return {scale / l1, -scale / l1 - scale / l2, scale / l2};
 }
 
-YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads, double stiffness,
-                         double damping)
-    : name_(threads == Threads::all ? "bending" : "line_bending"), cloth_(cloth), damping_(damping) {
+YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads,
+                         const PerPiece<double>& stiffness, const PerPiece<double>& damping)
+    : name_(threads == Threads::all ? "bending" : "line_bending"), cloth_(cloth) {
   const DistributedMesh& mesh = cloth.mesh;
   const auto sides = threads == Threads::lines ? sides_of_faces(mesh) : std::set<std::pair<Local, Local>>();
   const auto& rest = mesh.rest_positions;
   stencils_.reserve(mesh.triples.size());
   for (const auto& t : mesh.triples) {
+    const std::size_t piece = cloth.piece_of(t[1]);
+    if (!stiffness.of(piece)) continue;
     // Yarns and chains of lines never join, so one edge, of a cell this rank knows, tells for both.
     if (sides.contains(std::minmax({t[0], t[1]})) || sides.contains(std::minmax({t[1], t[2]}))) continue;
     auto weights = curvature_weights((rest[t[1]] - rest[t[0]]).norm(), (rest[t[2]] - rest[t[1]]).norm());
-    for (double& w : weights) w *= std::sqrt(stiffness * cloth.measure[t[1]]);
-    stencils_.push_back({t, weights, pattern.slots<3>(t)});
+    for (double& w : weights) w *= std::sqrt(*stiffness.of(piece) * cloth.measure[t[1]]);
+    stencils_.push_back({t, weights, pattern.slots<3>(t), damping.of(piece).value_or(0)});
   }
 }
 
@@ -56,7 +58,7 @@ void YarnBending::add_to(StepSystem& system, const State& state) const {
   for (const Stencil& s : stencils_) {
     const Vec3 sum = weighted_sum(s.vertices, s.weights, state.positions);
     for (int k = 0; k < 3; ++k) system.add_force(s.vertices[k], -s.weights[k] * sum);
-    system.add_outer<3>(s.vertices, s.slots, s.weights, 1.0, damping_);
+    system.add_outer<3>(s.vertices, s.slots, s.weights, 1.0, s.damping);
   }
 }
 

@@ -13,8 +13,10 @@ enum class Threads { all, lines };
 /// stencil of a yarn]. The rest shape is flat.
 class YarnBending : public Force {
 public:
-  /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
-  YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads, double stiffness, double damping);
+  /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s;
+  /// pieces without a stiffness are left out.
+  YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads, const PerPiece<double>& stiffness,
+              const PerPiece<double>& damping);
 
   std::string_view name() const override { return name_; }
   double energy(const State& state) const override;
@@ -25,11 +27,11 @@ private:
     std::array<Local, 3> vertices; ///< before, centre, after
     std::array<double, 3> weights; ///< E = 1/2 |sum w x|^2
     std::array<std::int32_t, 9> slots;
+    double damping;
   };
 
   std::string_view name_;
   const Cloth& cloth_;
-  double damping_;
   std::vector<Stencil> stencils_;
 };
 

@@ -6,16 +6,19 @@
 
 namespace taut {
 
-DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
-    : cloth_(cloth), damping_(damping) {
+DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern,
+                                 const PerPiece<double>& stiffness, const PerPiece<double>& damping)
+    : cloth_(cloth) {
   const auto& rest = cloth.mesh.rest_positions;
   for (const LocalCell& cell : cloth.mesh.cells) {
-    if (cell.size() != 4) continue;
     const auto& v = cell.vertices;
+    const std::size_t piece = cloth.piece_of(v[0]);
+    if (cell.size() != 4 || !stiffness.of(piece)) continue;
     const double area = 0.5 * (rest[v[2]] - rest[v[0]]).cross(rest[v[3]] - rest[v[1]]).norm();
     for (const std::array<Local, 2> ends : {std::array{v[0], v[2]}, std::array{v[1], v[3]}}) {
       const double length = (rest[ends[1]] - rest[ends[0]]).norm();
-      springs_.push_back({ends, length, stiffness * length * length / (2 * area), pattern.slots<2>(ends)});
+      springs_.push_back({ends, length, *stiffness.of(piece) * length * length / (2 * area),
+                          damping.of(piece).value_or(0), pattern.slots<2>(ends)});
     }
   }
 }
@@ -39,13 +42,13 @@ void DiagonalSprings::add_to(StepSystem& system, const State& state) const {
     if (length == 0) continue; // without a direction: nowhere to push
     const Vec3 n = d / length;
     const double tension = s.stiffness * (length - s.length),
-                 drag = damping_ * s.stiffness * n.dot(state.velocities[b] - state.velocities[a]);
+                 drag = s.damping * s.stiffness * n.dot(state.velocities[b] - state.velocities[a]);
     system.add_force(a, tension * n);
     system.add_force(b, -tension * n);
     const double across = std::clamp((tension + drag) / length, 0.0, s.stiffness);
     system.add_outer<2>(s.vertices, s.slots, {-1, 1}, across, 0.0);
     system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()},
-                        s.stiffness - across, damping_ * s.stiffness);
+                        s.stiffness - across, s.damping * s.stiffness);
   }
 }
 

@@ -11,8 +11,9 @@ namespace taut {
 class DiagonalSprings : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s,
-  /// along the springs.
-  DiagonalSprings(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+  /// along the springs; pieces without a stiffness are left out.
+  DiagonalSprings(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+                  const PerPiece<double>& damping);
 
   std::string_view name() const override { return "shear"; }
   double energy(const State& state) const override;
@@ -23,11 +24,11 @@ private:
     std::array<Local, 2> vertices;
     double length;    ///< L, m
     double stiffness; ///< k / L^2, N/m
+    double damping;   ///< s
     std::array<std::int32_t, 4> slots;
   };
 
   const Cloth& cloth_;
-  double damping_;
   std::vector<Spring> springs_;
 };
 

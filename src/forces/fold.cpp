@@ -49,9 +49,13 @@ std::array<Vec3, 4> Fold::corners(std::span<const Vec3> x) const {
           weight[4] * x[v[4]] + weight[5] * x[v[5]]};
 }
 
-std::vector<Fold> folds_of(const Cloth& cloth, double stiffness_warp, double stiffness_weft) {
+std::vector<Fold> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
+                           const PerPiece<double>& stiffness_weft) {
   std::vector<Fold> folds;
   for (const Hinge& h : cloth.mesh.hinges) {
+    const std::size_t piece = cloth.piece_of(h.edge[0]);
+    const auto &warp = stiffness_warp.of(piece), &weft = stiffness_weft.of(piece);
+    if (!warp || !weft) continue;
     Fold f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
     if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
     if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
@@ -59,8 +63,7 @@ std::vector<Fold> folds_of(const Cloth& cloth, double stiffness_warp, double sti
     const Vec3 e = f.rest[1] - f.rest[0];
     f.area = 0.5 * (e.cross(f.rest[2] - f.rest[0]).norm() + e.cross(f.rest[3] - f.rest[0]).norm());
     const Vec2 run = run_of(h, f.rest);
-    const double b =
-        (stiffness_warp * run[1] * run[1] + stiffness_weft * run[0] * run[0]) / run.squaredNorm();
+    const double b = (*warp * run[1] * run[1] + *weft * run[0] * run[0]) / run.squaredNorm();
     f.stiffness = b * e.squaredNorm() / f.area;
     folds.push_back(f);
   }

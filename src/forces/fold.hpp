@@ -29,11 +29,12 @@ struct Fold {
   std::array<Vec3, 4> corners(std::span<const Vec3> x) const;
 };
 
-/// All folds of the mesh, with B = (B_warp dv^2 + B_weft du^2) / (du^2 + dv^2) for an edge that runs by (du,
-/// dv) in the cloth: an edge along weft folds the warp threads [BW98 section 4.4, for meshes whose edges
-/// follow the threads]. The energy sum 1/2 B |e|^2 / A theta^2 of a mesh bent to a cylinder along its edges
-/// is B / 2 kappa^2 times its area.
-std::vector<Fold> folds_of(const Cloth& cloth, double stiffness_warp, double stiffness_weft);
+/// All folds of the pieces that have both stiffnesses, with B = (B_warp dv^2 + B_weft du^2) / (du^2 + dv^2)
+/// for an edge that runs by (du, dv) in the cloth: an edge along weft folds the warp threads [BW98
+/// section 4.4, for meshes whose edges follow the threads]. The energy sum 1/2 B |e|^2 / A theta^2 of a mesh
+/// bent to a cylinder along its edges is B / 2 kappa^2 times its area.
+std::vector<Fold> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
+                           const PerPiece<double>& stiffness_weft);
 
 /// The row K of the isometric bending form [Bergou et al. 2006, section 3; Wardetzky et al. 2007]: |K x|^2 /
 /// A = |e|^2 / A theta^2 for small angles at rest lengths, K x = sum K_i x_i.

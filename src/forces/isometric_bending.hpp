@@ -9,7 +9,8 @@ namespace taut {
 class IsometricBending : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force; `damping` is the stiffness-proportional damping in s.
-  IsometricBending(const Cloth& cloth, const Pattern& pattern, std::span<const Fold> folds, double damping);
+  IsometricBending(const Cloth& cloth, const Pattern& pattern, std::span<const Fold> folds,
+                   const PerPiece<double>& damping);
 
   std::string_view name() const override { return "bending"; }
   double energy(const State& state) const override;
@@ -21,6 +22,7 @@ private:
     std::array<Local, n> vertices;
     std::array<double, n> weights; ///< E = 1/2 |sum w x|^2
     std::array<std::int32_t, n * n> slots;
+    double damping;
 
     Vec3 sum(std::span<const Vec3> x) const {
       Vec3 sum = Vec3::Zero();
@@ -32,7 +34,6 @@ private:
   void for_each(Visit&& visit) const;
 
   const Cloth& cloth_;
-  double damping_;
   std::vector<Stencil<4>> narrow_; ///< between triangles
   std::vector<Stencil<6>> wide_;   ///< beside a quad
 };

@@ -41,19 +41,21 @@ ShearValue evaluate(const ShearStencil& s, const std::array<Vec3, 4>& x) {
   return value;
 }
 
-Shear::Shear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
-    : cloth_(cloth), damping_(damping) {
+Shear::Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+             const PerPiece<double>& damping)
+    : cloth_(cloth) {
   const DistributedMesh& mesh = cloth.mesh;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     auto v = mesh.cells[c].vertices;
-    if (mesh.cells[c].size() == 2) continue;
+    const std::size_t piece = cloth.piece_of(v[0]);
+    if (mesh.cells[c].size() == 2 || !stiffness.of(piece)) continue;
     const bool quad = mesh.cells[c].size() == 4;
     if (!quad) v[3] = v[0];
     const auto p = corners(v, mesh.rest_positions);
     const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
     elements_.push_back({v,
                          quad ? quad_shear_stencil(p) : triangle_shear_stencil(material_coordinates(mesh, c)),
-                         stiffness * area, pattern.slots<4>(v)});
+                         *stiffness.of(piece) * area, damping.of(piece).value_or(0), pattern.slots<4>(v)});
   }
 }
 
@@ -75,9 +77,9 @@ void Shear::add_to(StepSystem& system, const State& state) const {
       system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
       rate += gradient[k].dot(state.velocities[e.vertices[k]]);
     }
-    system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * damping_);
+    system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * e.damping);
     // f (c_u c_v^T + c_v c_u^T) = f/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
-    const double f = e.stiffness * (c + damping_ * rate);
+    const double f = e.stiffness * (c + e.damping * rate);
     std::array<double, 4> half;
     for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (f > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
     system.add_outer<4>(e.vertices, e.slots, half, 0.5 * std::abs(f), 0.0);

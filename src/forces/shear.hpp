@@ -30,8 +30,10 @@ ShearValue evaluate(const ShearStencil& stencil, const std::array<Vec3, 4>& x);
 /// kept; dC (dCdot/dx)^T is left out, as in the paper, for it is not symmetric.
 class Shear : public Force {
 public:
-  /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
-  Shear(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+  /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s;
+  /// pieces without a stiffness are left out.
+  Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+        const PerPiece<double>& damping);
 
   std::string_view name() const override { return "shear"; }
   double energy(const State& state) const override;
@@ -42,11 +44,11 @@ private:
     std::array<Local, 4> vertices; ///< of a triangle, the first one again
     ShearStencil stencil;
     double stiffness; ///< G A
+    double damping;   ///< s
     std::array<std::int32_t, 16> slots;
   };
 
   const Cloth& cloth_;
-  double damping_;
   std::vector<Element> elements_;
 };
 

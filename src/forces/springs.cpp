@@ -5,13 +5,14 @@
 
 namespace taut {
 
-Springs::Springs(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping)
-    : cloth_(cloth), stiffness_(stiffness), damping_(damping) {
+Springs::Springs(const Cloth& cloth, const Pattern& pattern, double stiffness,
+                 const PerPiece<double>& damping)
+    : cloth_(cloth), stiffness_(stiffness) {
   const DistributedMesh& mesh = cloth.mesh;
   for (Local e = 0; e < mesh.edges.size(); ++e) {
     const auto& ends = mesh.edge_vertices[e];
     if (mesh.owns_vertex(ends[0]) || mesh.owns_vertex(ends[1]))
-      elements_.push_back({e, pattern.slots<2>(ends)});
+      elements_.push_back({e, pattern.slots<2>(ends), damping.of(cloth.piece_of(ends[0])).value_or(0)});
   }
   std::sort(elements_.begin(), elements_.end(), [&](const Element& a, const Element& b) {
     return mesh.edges.original[a.edge] < mesh.edges.original[b.edge];
@@ -40,7 +41,7 @@ void Springs::add_to(StepSystem& system, const State& state) const {
     const double across = std::max(1 - l / length, 0.0), k = stiffness_ / l;
     system.add_outer<2>({a, b}, element.slots, {-1, 1}, across * k, 0.0);
     system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()},
-                        (1 - across) * k, damping_ * k);
+                        (1 - across) * k, element.damping * k);
   }
 }
 

@@ -10,7 +10,7 @@ namespace taut {
 class Springs : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s.
-  Springs(const Cloth& cloth, const Pattern& pattern, double stiffness, double damping);
+  Springs(const Cloth& cloth, const Pattern& pattern, double stiffness, const PerPiece<double>& damping);
 
   std::string_view name() const override { return "springs"; }
   double energy(const State& state) const override;
@@ -20,10 +20,11 @@ private:
   struct Element {
     Local edge;
     std::array<std::int32_t, 4> slots;
+    double damping; ///< s
   };
 
   const Cloth& cloth_;
-  double stiffness_, damping_;
+  double stiffness_;
   std::vector<Element> elements_; ///< edges with an end of this rank, in original order
 };
 

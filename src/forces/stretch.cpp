@@ -85,11 +85,12 @@ double largest_stretch_change(const Cloth& cloth, std::span<const Tangent> tange
   return max_over(cloth.mesh.comm, largest);
 }
 
-Stretch::Stretch(const Cloth& cloth, const Pattern& pattern, const StretchMaterial& material)
-    : damping_(material.damping), cloth_(cloth) {
+Stretch::Stretch(const Cloth& cloth, const Pattern& pattern, const PerPiece<StretchMaterial>& material)
+    : cloth_(cloth) {
   for (const Tangent& t : tangents_of(cloth))
-    elements_.push_back({t.stencil, material.stiffness[t.direction] * t.measure, material.target[t.direction],
-                         pattern.slots<3>(t.stencil.vertices)});
+    if (const auto& m = material.of(cloth.piece_of(t.stencil.vertices[0])))
+      elements_.push_back({t.stencil, m->stiffness[t.direction] * t.measure, m->target[t.direction],
+                           m->damping, pattern.slots<3>(t.stencil.vertices)});
 }
 
 double Stretch::energy(const State& state) const {
@@ -111,14 +112,14 @@ void Stretch::add_to(StepSystem& system, const State& state) const {
     if (length == 0) continue; // without a direction: nowhere to push
     const Vec3 direction = w / length;
     const double tension = e.stiffness * (length - e.target),
-                 drag = damping_ * e.stiffness * direction.dot(tangent(e.tangent, state.velocities));
+                 drag = e.damping * e.stiffness * direction.dot(tangent(e.tangent, state.velocities));
     for (int k = 0; k < 3; ++k) system.add_force(v[k], -tension * c[k] * direction);
     // k n n^T + across (I - n n^T), n the direction, as across I + (k - across) n n^T.
     const double across = std::clamp((tension + drag) / length, 0.0, e.stiffness);
     system.add_outer<3>(e.tangent.vertices, e.slots, c, across, 0.0);
     system.add_rank_one(std::array<Local, 4>{v[0], v[1], v[2], v[0]},
                         {c[0] * direction, c[1] * direction, c[2] * direction, Vec3::Zero()},
-                        e.stiffness - across, damping_ * e.stiffness);
+                        e.stiffness - across, e.damping * e.stiffness);
   }
 }
 

@@ -32,8 +32,8 @@ struct StretchMaterial {
 /// paper, for it is not symmetric.
 class Stretch : public Force {
 public:
-  /// `cloth` and `pattern` must outlive the force.
-  Stretch(const Cloth& cloth, const Pattern& pattern, const StretchMaterial& material);
+  /// `cloth` and `pattern` must outlive the force; pieces without a material are left out.
+  Stretch(const Cloth& cloth, const Pattern& pattern, const PerPiece<StretchMaterial>& material);
 
   std::string_view name() const override { return "stretch"; }
   double energy(const State& state) const override;
@@ -44,10 +44,10 @@ private:
     TangentStencil tangent;
     double stiffness; ///< k a
     double target;    ///< b
+    double damping;   ///< s
     std::array<std::int32_t, 9> slots;
   };
 
-  double damping_;
   const Cloth& cloth_;
   std::vector<Element> elements_;
 };

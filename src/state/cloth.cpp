@@ -25,10 +25,22 @@ double measure_of(const LocalCell& cell, std::span<const Vec3> x) {
 
 } // namespace
 
+std::size_t Cloth::piece_of_original(Global vertex) const {
+  const auto after = std::upper_bound(pieces.begin(), pieces.end(), vertex,
+                                      [](Global v, const Piece& p) { return v < p.first_vertex; });
+  return std::size_t(after - pieces.begin()) - 1;
+}
+
 Cloth make_cloth(DistributedMesh distributed, const config::Material& material) {
+  const Piece all{
+      material, 0, 0, distributed.vertices.total, distributed.total_cells, distributed.triangles_only};
+  return make_cloth(std::move(distributed), std::vector<Piece>{all});
+}
+
+Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces) {
   Cloth cloth;
   cloth.mesh = std::move(distributed);
-  cloth.material = material;
+  cloth.pieces = std::move(pieces);
   const DistributedMesh& mesh = cloth.mesh;
   cloth.measure.assign(mesh.vertices.size(), 0.0);
   for (const LocalCell& cell : mesh.cells) {
@@ -36,7 +48,8 @@ Cloth make_cloth(DistributedMesh distributed, const config::Material& material) 
     for (int k = 0; k < cell.size(); ++k) cloth.measure[cell.vertices[k]] += share;
   }
   mesh.vertex_halo.update(cloth.measure);
-  for (const double m : cloth.measure) cloth.mass.push_back(material.density * m);
+  for (Local i = 0; i < mesh.vertices.size(); ++i)
+    cloth.mass.push_back(cloth.pieces[cloth.piece_of(i)].material.density * cloth.measure[i]);
   for (const auto& [a, b] : mesh.edge_vertices)
     cloth.rest_length.push_back((mesh.rest_positions[b] - mesh.rest_positions[a]).norm());
   return cloth;

@@ -5,13 +5,28 @@
 
 namespace taut {
 
+/// One of the cloths of a case. No cell has vertices of two of them.
+struct Piece {
+  config::Material material;
+  Global first_vertex = 0; ///< its vertices and cells follow those of the piece before
+  Global first_cell = 0;
+  Global vertices = 0, cells = 0; ///< how many, over all ranks
+  bool triangles_only = false;    ///< no quad and no line in it
+};
+
 /// What does not change during a run: the mesh and what the rest shape and the material make of it.
 struct Cloth {
   DistributedMesh mesh;
-  config::Material material;
+  std::vector<Piece> pieces;       ///< at least one
   std::vector<double> measure;     ///< of local vertices: m^2 of cloth (m of line) that belong to each
   std::vector<double> mass;        ///< kg, of local vertices, lumped
   std::vector<double> rest_length; ///< m, of local edges
+
+  /// The number of the piece that a vertex, by its original number, belongs to.
+  std::size_t piece_of_original(Global vertex) const;
+  std::size_t piece_of(Local vertex) const {
+    return pieces.size() == 1 ? 0 : piece_of_original(mesh.vertices.original[vertex]);
+  }
 };
 
 /// What changes: fields over [owned | ghosts], ghosts current, and what is remembered of contacts.
@@ -64,7 +79,10 @@ struct Candidate {
   std::vector<Vec3> end_velocities{}; ///< those at the end, where they are others; else empty
 };
 
-/// Derives masses and lengths. Collective.
+/// Derives masses and lengths; `pieces` in order. Collective.
+Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces);
+
+/// Of one piece. Collective.
 Cloth make_cloth(DistributedMesh distributed, const config::Material& material);
 
 /// |d| / l - 1 of an edge.

@@ -1,5 +1,6 @@
 #include "src/state/pins.hpp"
 
+#include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 
 #include <Eigen/Geometry>
@@ -38,13 +39,14 @@ Vec3 apply(const config::Keyframe& k, const Vec3& start) {
   return k.rotate.centre + turn * (start - k.rotate.centre) + k.translate;
 }
 
-/// The owned vertex of the rank that is nearest to `point`; the lowest original number decides among equals.
-/// -1 on all other ranks.
-Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point) {
+/// The owned vertex of the rank that is nearest to `point`, of those `among`; the lowest original number
+/// decides among equals. -1 on all other ranks.
+Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point, const Slab& among) {
   const IndexMap& map = cloth.mesh.vertices;
   double best = std::numeric_limits<double>::infinity();
   Local vertex = -1;
   for (Local i = 0; i < map.owned; ++i) {
+    if (!among.contains(map.original[i])) continue;
     const double d = (start[i] - point).squaredNorm();
     if (d < best || (d == best && map.original[i] < map.original[vertex])) {
       best = d;
@@ -57,29 +59,38 @@ Local nearest(const Cloth& cloth, std::span<const Vec3> start, const Vec3& point
   return max_over(cloth.mesh.comm, mine) == mine && vertex >= 0 && best == least ? vertex : -1;
 }
 
-void require_vertex(const IndexMap& map, Global v, const std::string& key) {
-  if (v < 0 || v >= map.total)
+void require_vertex(const Slab& among, Global v, const std::string& key) {
+  if (v < 0 || v >= among.count)
     throw InputError(fmt::format("{}: there is no vertex {}: the cloth has {} vertices, numbered from 0", key,
-                                 v, map.total));
+                                 v, among.count));
 }
 
-std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, std::span<const Vec3> start,
-                               const std::string& key) {
+/// The vertices that a pin counts, of all cloths or of one.
+Slab counted_by(const config::Pin& pin, const Cloth& cloth, const Case& input) {
+  const Global total = cloth.mesh.vertices.total;
+  if (!pin.cloth) return {0, total, total};
+  const Piece& piece = cloth.pieces[config::find_cloth(input, *pin.cloth).value()];
+  return {piece.first_vertex, piece.vertices, total};
+}
+
+std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const Slab& among,
+                               std::span<const Vec3> start, const std::string& key) {
   const IndexMap& map = cloth.mesh.vertices;
   std::vector<Local> found;
   if (pin.near) {
     for (const Vec3& point : *pin.near)
-      if (const Local v = nearest(cloth, start, point); v >= 0) found.push_back(v);
+      if (const Local v = nearest(cloth, start, point, among); v >= 0) found.push_back(v);
     return found;
   }
   std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
-  for (const Global v : wanted) require_vertex(map, v, key + ".vertices");
-  if (pin.range) require_vertex(map, (*pin.range)[1], key + ".range");
+  for (const Global v : wanted) require_vertex(among, v, key + ".vertices");
+  if (pin.range) require_vertex(among, (*pin.range)[1], key + ".range");
   std::sort(wanted.begin(), wanted.end());
   for (Local i = 0; i < map.owned; ++i) {
+    if (!among.contains(map.original[i])) continue;
     const bool inside = pin.box && (start[i].array() >= pin.box->min.array()).all() &&
                         (start[i].array() <= pin.box->max.array()).all();
-    const Global v = map.original[i];
+    const Global v = map.original[i] - among.first;
     const bool in_range = pin.range && v >= (*pin.range)[0] && v <= (*pin.range)[1];
     if (inside || in_range || std::binary_search(wanted.begin(), wanted.end(), v)) found.push_back(i);
   }
@@ -108,7 +119,7 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
   std::vector<int> pin_of(map.size(), -1);
   std::optional<std::string> fault;
   for (std::size_t k = 0; k < pins_.size(); ++k)
-    for (const Local v : vertices_of(cloth, pins_[k], start, key(k))) {
+    for (const Local v : vertices_of(cloth, pins_[k], counted_by(pins_[k], cloth, input), start, key(k))) {
       if (pin_of[v] >= 0 && pin_of[v] != int(k) && !fault)
         fault = fmt::format("{}: vertex {} is held by pins.{} already; a vertex can belong to one pin only",
                             key(k), map.original[v], pin_of[v]);

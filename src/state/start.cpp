@@ -12,8 +12,7 @@ namespace taut {
 
 namespace {
 
-MeshSlab load_mesh(MPI_Comm comm, const Case& input) {
-  const config::Cloth& cloth = input.cloth;
+MeshSlab load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
   if (cloth.grid)
     return make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells));
   if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
@@ -28,34 +27,76 @@ bool has_triangles(MPI_Comm comm, const MeshSlab& mesh) {
 } // namespace
 
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
-  UndistributedCloth cloth{load_mesh(comm, input), {}, input.cloth.material};
-  cloth.topology = find_topology(comm, cloth.slab);
-  auto& model = cloth.material.bending_model;
-  if (!model)
-    model = has_triangles(comm, cloth.slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
-  if (model == config::BendingModel::yarn) cloth.topology.hinges.clear(); // nobody asks for them
-  return cloth;
+  UndistributedCloth all;
+  std::vector<ListedMesh> meshes;
+  Global vertices = 0, cells = 0;
+  for (const config::Cloth& cloth : input.cloths) {
+    ListedMesh& mesh = meshes.emplace_back(ListedMesh{load_mesh(comm, input, cloth), {}});
+    mesh.topology = find_topology(comm, mesh.slab);
+    const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
+    Piece& piece = all.pieces.emplace_back(
+        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only});
+    vertices += v.total;
+    cells += c.total;
+    auto& model = piece.material.bending_model;
+    if (!model)
+      model = has_triangles(comm, mesh.slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
+    if (model == config::BendingModel::yarn) mesh.topology.hinges.clear(); // nobody asks for them
+  }
+  all.mesh = meshes.size() == 1 ? std::move(meshes.front()) : join(comm, meshes);
+  return all;
 }
 
 Cloth load_cloth(MPI_Comm comm, const Case& input) {
-  const auto [slab, topology, material] = read_cloth(comm, input);
-  const auto owners = partition(comm, slab, topology, Partitioner(input.partition.method));
-  return make_cloth(distribute(comm, slab, topology, owners), material);
+  auto [mesh, pieces] = read_cloth(comm, input);
+  const auto owners = partition(comm, mesh.slab, mesh.topology, Partitioner(input.partition.method));
+  return make_cloth(distribute(comm, mesh.slab, mesh.topology, owners), std::move(pieces));
 }
+
+namespace {
+
+/// Of the vertices of one piece, as its file has them, to this rank's slab of all; others stay.
+void take_shape(const Cloth& cloth, const Case& input, std::size_t k, std::vector<Vec3>& rows) {
+  const DistributedMesh& mesh = cloth.mesh;
+  const Piece& piece = cloth.pieces[k];
+  const config::Cloth& given = input.cloths[k];
+  const int ranks = size_of(mesh.comm);
+  const Slab mine = slab_of(piece.vertices, ranks, rank_of(mesh.comm)), all = mesh.vertex_order.slab();
+  const auto shape = read_obj_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
+  std::vector<int> to;
+  for (Global i = 0; i < mine.count; ++i)
+    to.push_back(slab_rank(all.total, ranks, piece.first_vertex + mine.first + i));
+  const auto received = exchange(mesh.comm, shape, to).items; // in order
+  const Global first = std::max(all.first, piece.first_vertex);
+  std::copy(received.begin(), received.end(), rows.begin() + (received.empty() ? 0 : first - all.first));
+}
+
+std::vector<Vec3> start_positions(const Cloth& cloth, const Case& input) {
+  const DistributedMesh& mesh = cloth.mesh;
+  std::vector<Vec3> positions = mesh.rest_positions;
+  if (std::any_of(input.cloths.begin(), input.cloths.end(), [](const auto& c) { return c.start.shape; })) {
+    auto rows = mesh.vertex_order.to_slab<Vec3>(positions);
+    for (std::size_t k = 0; k < input.cloths.size(); ++k)
+      if (input.cloths[k].start.shape) take_shape(cloth, input, k, rows);
+    mesh.vertex_order.from_slab<Vec3>(rows, positions);
+    mesh.vertex_halo.update(positions);
+  }
+  std::vector<Eigen::AngleAxisd> turns;
+  for (const config::Cloth& c : input.cloths)
+    turns.emplace_back(c.start.rotate.angle, c.start.rotate.axis.normalized());
+  for (Local i = 0; i < mesh.vertices.size(); ++i) {
+    const std::size_t k = cloth.piece_of(i);
+    positions[i] = turns[k] * positions[i] + input.cloths[k].start.translate;
+  }
+  return positions;
+}
+
+} // namespace
 
 State start_state(const Cloth& cloth, const Case& input) {
   const DistributedMesh& mesh = cloth.mesh;
-  const config::Start& start = input.cloth.start;
   State state;
-  state.positions = mesh.rest_positions;
-  if (start.shape) {
-    const auto rows = read_obj_positions(mesh.comm, input.folder() / *start.shape, input.cloth.scale,
-                                         mesh.vertex_order.slab());
-    mesh.vertex_order.from_slab<Vec3>(rows, state.positions);
-    mesh.vertex_halo.update(state.positions);
-  }
-  const Eigen::AngleAxisd turn(start.rotate.angle, start.rotate.axis.normalized());
-  for (Vec3& x : state.positions) x = turn * x + start.translate;
+  state.positions = start_positions(cloth, input);
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);

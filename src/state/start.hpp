@@ -1,19 +1,20 @@
 #pragma once
+#include "partition/join.hpp"
 #include "src/state/cloth.hpp"
 
 namespace taut {
 
-/// The cloth of a case before it is shared out.
+/// The cloths of a case before it is shared out.
 struct UndistributedCloth {
-  MeshSlab slab;
-  Topology topology; ///< without hinges where the case needs none
-  config::Material material;
+  ListedMesh mesh; ///< without hinges where the case needs none
+  std::vector<Piece> pieces;
 };
 
-/// Reads or makes and checks the mesh. Throws InputError for one that cannot be simulated. Collective.
+/// Reads or makes, checks and joins the meshes. Throws InputError for one that cannot be simulated.
+/// Collective.
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input);
 
-/// The cloth of a case, on all ranks: read or made, checked, partitioned. Throws InputError for a mesh that
+/// The cloths of a case, on all ranks: read or made, checked, partitioned. Throws InputError for a mesh that
 /// cannot be simulated. Collective.
 Cloth load_cloth(MPI_Comm comm, const Case& input);
 

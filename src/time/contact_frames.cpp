@@ -6,7 +6,8 @@
 namespace taut {
 
 ContactFrames::ContactFrames(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : cloth_(cloth), obstacles_(obstacles), gauge_(cloth, obstacles, 2.0 * contact_thickness(cloth, input)) {}
+    : cloth_(cloth), obstacles_(obstacles),
+      gauge_(cloth, obstacles, 2.0 * Thickness(cloth, input).largest()) {}
 
 void ContactFrames::describe(std::vector<XdmfField>& fields) const {
   fields.push_back({"contact_force", "/contact_forces", XdmfCentre::point, 3});

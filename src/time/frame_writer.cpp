@@ -164,6 +164,7 @@ void FrameWriter::write_mesh() {
       file.write<std::int32_t>("/owner_rank", mesh.vertex_order.to_slab<std::int32_t>(rank), 1, vertices);
     }
     if (wants(config::Field::yarn)) write_yarns(file);
+    if (cloth_.pieces.size() > 1) write_cloth_numbers(file);
     if (mixed) {
       const auto numbers = xdmf_mixed_cells(cells.vertices, cells.offsets);
       stream = rows_of(mesh.comm, numbers.size());
@@ -193,6 +194,16 @@ void FrameWriter::write_yarns(H5Writer& file) const {
   file.write<Global>("/cells/yarn_weft", mesh.cell_order.to_slab<Global>(weft), 1, mesh.cell_order.slab());
 }
 
+/// Of each cell the number of the cloth that it is part of.
+void FrameWriter::write_cloth_numbers(H5Writer& file) const {
+  const DistributedMesh& mesh = cloth_.mesh;
+  std::vector<std::int32_t> number;
+  for (const Local c : mesh.owned_cells)
+    number.push_back(std::int32_t(cloth_.piece_of(mesh.cells[c].vertices[0])));
+  file.write<std::int32_t>("/cells/cloth", mesh.cell_order.to_slab<std::int32_t>(number), 1,
+                           mesh.cell_order.slab());
+}
+
 void FrameWriter::describe(bool has_mixed_cells) {
   using enum config::Field;
   const DistributedMesh& mesh = cloth_.mesh;
@@ -210,6 +221,9 @@ void FrameWriter::describe(bool has_mixed_cells) {
   if (wants(owner_rank))
     cells_.fields.push_back(
         {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
+  if (cloth_.pieces.size() > 1)
+    cells_.fields.push_back(
+        {"cloth", "/cells/cloth", XdmfCentre::cell, 1, XdmfNumber::int32, XdmfHome::mesh});
   if (wants(yarn)) {
     const auto on_cells = [](const char* name, const char* dataset) {
       return XdmfField{name, dataset, XdmfCentre::cell, 1, XdmfNumber::int64, XdmfHome::mesh};

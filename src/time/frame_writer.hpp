@@ -30,6 +30,7 @@ public:
 private:
   void write_mesh();
   void write_yarns(H5Writer& file) const;
+  void write_cloth_numbers(H5Writer& file) const;
   void write_frame(const State& state, Global frame);
   void write_xdmf() const;
   void describe(bool has_mixed_cells);

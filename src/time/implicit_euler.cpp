@@ -30,10 +30,9 @@ SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedo
                                    std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
   const double dt = start.dt;
   step_.start(dt);
-  const double damping = cloth_.material.damping.mass;
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     step_.add_inertia(i, cloth_.mass[i], start.state.velocities[i]);
-    step_.add_damping(i, damping * cloth_.mass[i]);
+    step_.add_damping(i, cloth_.pieces[cloth_.piece_of(i)].material.damping.mass * cloth_.mass[i]);
   }
   add_forces(start);
   const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);

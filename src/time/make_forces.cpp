@@ -1,5 +1,6 @@
 #include "src/time/make_forces.hpp"
 
+#include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/contact/penalty_springs.hpp"
 #include "src/forces/air_drag.hpp"
@@ -26,79 +27,137 @@ namespace {
 using config::BendingModel;
 using config::Material;
 
-bool has_cells_of(const Cloth& cloth, int vertices) {
+/// Whether piece `k` has such cells. Collective.
+bool has_cells_of(const Cloth& cloth, std::size_t k, int vertices) {
   const auto& cells = cloth.mesh.cells;
-  return any_of(cloth.mesh.comm, std::any_of(cells.begin(), cells.end(),
-                                             [&](const LocalCell& c) { return c.size() == vertices; }));
+  return any_of(cloth.mesh.comm, std::any_of(cells.begin(), cells.end(), [&](const LocalCell& c) {
+                  return c.size() == vertices && cloth.piece_of(c.vertices[0]) == k;
+                }));
 }
 
-[[noreturn]] void refuse(const Case& input, const std::string& key, const std::string& why) {
-  throw InputError(fmt::format("{}: cloth.material.{}: {}", input.file.string(), key, why));
+/// For each piece what `value(its number, its material)` says.
+template<class T = double, class Value>
+PerPiece<T> per_piece(const Cloth& cloth, Value&& value) {
+  std::vector<std::optional<T>> values;
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) values.push_back(value(k, cloth.pieces[k].material));
+  return PerPiece<T>(std::move(values));
 }
 
-/// Whether the model can do what the material asks of it.
-void check_bending(const Case& input, const Cloth& cloth, BendingModel model, std::span<const Fold> folds) {
-  const Material& material = cloth.material;
+PerPiece<double> damping_of(const Cloth& cloth) {
+  return per_piece(cloth, [](std::size_t, const Material& m) { return m.damping.stiffness; });
+}
+
+[[noreturn]] void refuse(const Case& input, std::size_t k, const std::string& key, const std::string& why) {
+  throw InputError(
+      fmt::format("{}: {}.material.{}: {}", input.file.string(), config::key_of_cloth(input, k), key, why));
+}
+
+BendingModel bending_model_of(const Material& material) { return material.bending_model.value(); }
+
+bool bends_to_mesh(const Material& material) { return material.rest_angles == config::RestAngles::mesh; }
+
+/// The folds of the pieces for which `has(number, material)` holds.
+template<class Has>
+std::vector<Fold> folds_where(const Cloth& cloth, Has&& has) {
+  const auto stiffness = [&](auto&& value) {
+    return per_piece(cloth, [&](std::size_t k, const Material& m) {
+      return has(k, m) ? std::optional<double>(value(m)) : std::nullopt;
+    });
+  };
+  return folds_of(cloth, stiffness([](const Material& m) { return m.bending; }),
+                  stiffness([](const Material& m) { return m.bending_weft.value_or(m.bending); }));
+}
+
+/// Whether the model of piece `k` can do what its material asks of it.
+void check_bending(const Case& input, const Cloth& cloth, std::size_t k) {
+  const Material& material = cloth.pieces[k].material;
+  const BendingModel model = bending_model_of(material);
   const std::string name(config::words_of(model)[std::size_t(model)]);
-  if (model == BendingModel::yarn && has_cells_of(cloth, 3))
-    refuse(input, "bending_model",
+  if (model == BendingModel::yarn && has_cells_of(cloth, k, 3))
+    refuse(input, k, "bending_model",
            "yarn cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or "
            "baraff_witkin");
   if (model == BendingModel::yarn && material.bending_weft)
-    refuse(input, "bending_weft",
+    refuse(input, k, "bending_weft",
            "yarn bends all threads alike; use isometric, discrete_shells or baraff_witkin");
-  constexpr double flat = 1e-6; // rad
-  if (material.rest_angles == config::RestAngles::mesh && model != BendingModel::discrete_shells &&
-      (model == BendingModel::yarn || largest_rest_angle(cloth, folds) > flat))
+  const auto is_flat = [&] {
+    constexpr double flat = 1e-6; // rad
+    const auto folds = folds_where(cloth, [&](std::size_t piece, const Material&) { return piece == k; });
+    return largest_rest_angle(cloth, folds) <= flat;
+  };
+  if (bends_to_mesh(material) && model != BendingModel::discrete_shells &&
+      (model == BendingModel::yarn || !is_flat()))
     refuse(
-        input, "rest_angles",
+        input, k, "rest_angles",
         fmt::format("mesh: {} knows no rest shape but a flat one; use discrete_shells, or rest_angles: flat",
                     name));
 }
 
-std::unique_ptr<Force> make_fold_bending(const Cloth& cloth, const Pattern& pattern, BendingModel model,
-                                         std::span<const Fold> folds) {
-  const Material& material = cloth.material;
-  const double damping = material.damping.stiffness;
-  if (model == BendingModel::isometric)
-    return std::make_unique<IsometricBending>(cloth, pattern, folds, damping);
-  const bool curved = material.rest_angles == config::RestAngles::mesh;
-  return std::make_unique<AngleBending>(cloth, folds, curved ? RestAngle::of_rest_shape : RestAngle::flat,
-                                        damping);
+/// For pieces that share a model, one force.
+void add_fold_bending(const Cloth& cloth, const Pattern& pattern, Forces& forces) {
+  const auto damping = damping_of(cloth);
+  const auto where = [&](auto&& has) {
+    const auto& pieces = cloth.pieces;
+    return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return has(p.material); });
+  };
+  const auto folds = [&](auto&& has) {
+    return folds_where(cloth, [&](std::size_t, const Material& m) { return has(m); });
+  };
+  const auto is_isometric = [](const Material& m) { return bending_model_of(m) == BendingModel::isometric; };
+  if (where(is_isometric))
+    forces.push_back(std::make_unique<IsometricBending>(cloth, pattern, folds(is_isometric), damping));
+  for (const RestAngle rest : {RestAngle::flat, RestAngle::of_rest_shape}) {
+    const auto has = [&](const Material& m) {
+      return !is_isometric(m) && bending_model_of(m) != BendingModel::yarn &&
+             bends_to_mesh(m) == (rest == RestAngle::of_rest_shape);
+    };
+    if (where(has)) forces.push_back(std::make_unique<AngleBending>(cloth, folds(has), rest, damping));
+  }
 }
 
 void add_bending(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
-  const Material& material = cloth.material;
-  const BendingModel model = material.bending_model.value();
-  const auto folds = folds_of(cloth, material.bending, material.bending_weft.value_or(material.bending));
-  check_bending(input, cloth, model, folds);
-  if (model != BendingModel::yarn) forces.push_back(make_fold_bending(cloth, pattern, model, folds));
-  if (model == BendingModel::yarn || has_cells_of(cloth, 2))
-    forces.push_back(std::make_unique<YarnBending>(
-        cloth, pattern, model == BendingModel::yarn ? Threads::all : Threads::lines, material.bending,
-        material.damping.stiffness));
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) check_bending(input, cloth, k);
+  add_fold_bending(cloth, pattern, forces);
+  const auto threads = [&](Threads which) {
+    return per_piece(cloth, [&](std::size_t k, const Material& m) -> std::optional<double> {
+      const bool bends_all = bending_model_of(m) == BendingModel::yarn;
+      const bool has = which == Threads::all ? bends_all : !bends_all && has_cells_of(cloth, k, 2);
+      return has ? std::optional(m.bending) : std::nullopt;
+    });
+  };
+  for (const Threads which : {Threads::all, Threads::lines})
+    if (const auto stiffness = threads(which); stiffness.any())
+      forces.push_back(std::make_unique<YarnBending>(cloth, pattern, which, stiffness, damping_of(cloth)));
 }
 
 void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
-  const Material& material = cloth.material;
-  const double damping = material.damping.stiffness;
-  if (material.shear_model == config::ShearModel::baraff_witkin) {
-    forces.push_back(std::make_unique<Shear>(cloth, pattern, material.shear, damping));
-    return;
-  }
-  if (has_cells_of(cloth, 3))
-    refuse(input, "shear_model", "diagonals cannot serve this mesh: triangles have none; use baraff_witkin");
-  forces.push_back(std::make_unique<DiagonalSprings>(cloth, pattern, material.shear, damping));
+  const auto stiffness = [&](config::ShearModel model) {
+    return per_piece(cloth, [&](std::size_t, const Material& m) {
+      return m.shear_model == model ? std::optional(m.shear) : std::nullopt;
+    });
+  };
+  const auto angles = stiffness(config::ShearModel::baraff_witkin),
+             diagonals = stiffness(config::ShearModel::diagonals);
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k)
+    if (diagonals.of(k) && has_cells_of(cloth, k, 3))
+      refuse(input, k, "shear_model",
+             "diagonals cannot serve this mesh: triangles have none; use baraff_witkin");
+  const auto damping = damping_of(cloth);
+  if (angles.any()) forces.push_back(std::make_unique<Shear>(cloth, pattern, angles, damping));
+  if (diagonals.any())
+    forces.push_back(std::make_unique<DiagonalSprings>(cloth, pattern, diagonals, damping));
 }
 
 /// Where only averages around vertices are kept, single triangles may stretch against each other, on
 /// irregular meshes until no step is found. What hinders them is a stiffness at which the weight of the
-/// cloth, spread over its width, would strain it by a tenth of the limit.
-double stretch_stiffness(const Cloth& cloth, const Case& input) {
-  if (cloth.material.stretch) return *cloth.material.stretch;
+/// piece, spread over its width, would strain it by a tenth of the limit. Collective.
+double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
+  const Material& material = cloth.pieces[k].material;
+  if (material.stretch) return *material.stretch;
   if (config::constrain_of(input, cloth.mesh.triangles_only) == config::Constrain::edges) return 0;
   std::array<double, 2> sums{}; // kg, m^2
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
+    if (cloth.piece_of(i) != k) continue;
     sums[0] += cloth.mass[i];
     sums[1] += cloth.measure[i];
   }
@@ -107,18 +166,19 @@ double stretch_stiffness(const Cloth& cloth, const Case& input) {
 }
 
 void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
-  const Material& material = cloth.material;
-  const double warp = stretch_stiffness(cloth, input), weft = material.stretch_weft.value_or(warp);
-  if (warp > 0 || weft > 0)
-    forces.push_back(std::make_unique<Stretch>(
-        cloth, pattern, StretchMaterial{{warp, weft}, material.stretch_target, material.damping.stiffness}));
+  const auto materials = per_piece<StretchMaterial>(
+      cloth, [&](std::size_t k, const Material& m) -> std::optional<StretchMaterial> {
+        const double warp = stretch_stiffness(cloth, k, input), weft = m.stretch_weft.value_or(warp);
+        if (warp <= 0 && weft <= 0) return std::nullopt;
+        return StretchMaterial{{warp, weft}, m.stretch_target, m.damping.stiffness};
+      });
+  if (materials.any()) forces.push_back(std::make_unique<Stretch>(cloth, pattern, materials));
 }
 
 } // namespace
 
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern,
                    const Case& input) {
-  const Material& material = cloth.material;
   Forces forces;
   forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
   add_bending(cloth, pattern, input, forces);
@@ -127,7 +187,7 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   if (input.inextensibility.method == config::InextensibilityMethod::springs)
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
-        material.damping.stiffness));
+        damping_of(cloth)));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
   if (input.contact_model() == config::ContactModel::constraint)
     forces.push_back(std::make_unique<CarriedContact>(cloth));
@@ -136,6 +196,14 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
     forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
   return forces;
+}
+
+std::vector<std::string> energy_names(const Forces& forces) {
+  std::vector<std::string> names;
+  for (const auto& force : forces)
+    if (std::find(names.begin(), names.end(), force->name()) == names.end())
+      names.emplace_back(force->name());
+  return names;
 }
 
 } // namespace taut

@@ -8,4 +8,8 @@ namespace taut {
 /// naming key and model, for a model that cannot serve this mesh. Collective.
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input);
 
+/// The names of the energies of a run, in order: forces of one name, each of its own pieces of cloth, have
+/// one.
+std::vector<std::string> energy_names(const Forces& forces);
+
 } // namespace taut

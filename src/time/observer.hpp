@@ -22,7 +22,7 @@ struct PhaseSeconds {
   }
 };
 
-/// Joules, over all ranks. `potential` in the order of the forces of the run.
+/// Joules, over all ranks. `potential` in the order of `energy_names`.
 struct Energies {
   double kinetic = 0;
   std::vector<double> potential;

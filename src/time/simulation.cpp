@@ -43,7 +43,7 @@ config::Inextensibility inextensibility_of(const Case& input, const Cloth& cloth
   if (result.constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
     throw InputError(
         input.file.string() +
-        ": inextensibility.constrain: vertices is for meshes of triangles alone; quads and lines "
+        ": inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
         "keep warp and weft by their edges: choose edges");
   return result;
 }
@@ -258,14 +258,17 @@ void Simulation::accept(double time, double dt) {
 
 void Simulation::measure(StepRecord& record) const {
   const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reaction);
-  std::vector<double> sums(2 + forces_.size(), 0.0);
+  const std::vector<std::string> energies = energy_names(forces_);
+  std::vector<double> sums(2 + energies.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     sums[0] += 0.5 * cloth_.mass[i] * state_.velocities[i].squaredNorm();
   sums[1] = record.seconds.cpu;
-  for (std::size_t k = 0; k < forces_.size(); ++k) sums[2 + k] = forces_[k]->energy(state_);
+  for (const auto& force : forces_)
+    sums[2 + (std::find(energies.begin(), energies.end(), force->name()) - energies.begin())] +=
+        force->energy(state_);
   for (const Vec3& f : pins) sums.insert(sums.end(), f.begin(), f.end());
   sum_in_place(comm_, sums);
-  const auto potentials = sums.begin() + 2, forces = potentials + std::ptrdiff_t(forces_.size());
+  const auto potentials = sums.begin() + 2, forces = potentials + std::ptrdiff_t(energies.size());
   record.energies = {sums[0], {potentials, forces}};
   record.seconds.cpu = sums[1];
   for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);

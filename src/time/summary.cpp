@@ -1,5 +1,6 @@
 #include "src/time/summary.hpp"
 
+#include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/filters/edge_constraints.hpp"
 
@@ -107,6 +108,12 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
   const auto a_step = [&](double total) { return all.steps > 0 ? total / double(all.steps) : 0.0; };
   const double memory = peak_memory(), memory_max = max_over(mesh.comm, memory),
                memory_sum = sum_over(mesh.comm, memory);
+  Json cloths = Json::array();
+  for (std::size_t k = 0; k < simulation_.cloth().pieces.size(); ++k) {
+    const Piece& piece = simulation_.cloth().pieces[k];
+    cloths.push_back(
+        {{"name", config::name_of_cloth(input_, k)}, {"vertices", piece.vertices}, {"faces", piece.cells}});
+  }
   const Json json = {
       {"status", status_of(outcome.ending)},
       {"reason", outcome.reason},
@@ -116,6 +123,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"vertices", mesh.vertices.total},
       {"faces", mesh.total_cells},
       {"constraints", mesh.edges.total},
+      {"cloths", std::move(cloths)},
       {"frames", frames},
       {"steps", all.steps},
       {"rejected_steps", simulation_.rejected_steps()},

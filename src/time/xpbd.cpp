@@ -50,11 +50,11 @@ void Xpbd::substep(double h, Freedom& freedom) {
 
 /// v <- v + h f/m of the owned vertices, as far as they are free; h f into `impulse_`.
 void Xpbd::fall(double h, const Freedom& freedom) {
-  const double damping = cloth_.material.damping.mass;
   loads_.start_explicit(h);
   for (const auto& force : forces_) force->add_to(loads_, now_);
   loads_.explicit_impulse(now_.velocities, impulse_);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    const double damping = cloth_.pieces[cloth_.piece_of(i)].material.damping.mass;
     impulse_[i] -= h * damping * cloth_.mass[i] * now_.velocities[i];
     now_.velocities[i] += freedom.allowed(i, impulse_[i]) / cloth_.mass[i];
   }

@@ -1,0 +1,122 @@
+#include "partition/join.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// Slabs of one list behind the other, in new slabs. Items of a slab are in order, and so are the slabs of
+/// the ranks: what arrives is in order as well.
+class Appender {
+public:
+  explicit Appender(MPI_Comm comm) : comm_(comm) {}
+
+  /// Sends each item to the rank whose slab of `total` entities holds `place(i)`.
+  template<class T, class Place>
+  void append(const std::vector<T>& items, Global total, Place&& place, std::vector<T>& all) const {
+    std::vector<int> to;
+    for (std::size_t i = 0; i < items.size(); ++i) to.push_back(slab_rank(total, size_of(comm_), place(i)));
+    const auto received = exchange(comm_, items, to).items;
+    all.insert(all.end(), received.begin(), received.end());
+  }
+
+private:
+  MPI_Comm comm_;
+};
+
+/// Numbers of the entities of the whole that come before a mesh.
+struct Before {
+  Global vertices = 0, cells = 0, edges = 0;
+};
+
+void move_by(Global count, std::span<Global> numbers) {
+  for (Global& n : numbers)
+    if (n >= 0) n += count;
+}
+
+void number_through(ListedMesh& mesh, const Before& before) {
+  for (Cell& c : mesh.slab.cell) move_by(before.vertices, c.vertices);
+  for (Spoke& s : mesh.topology.spokes) {
+    s.centre += before.vertices;
+    s.neighbour += before.vertices;
+    if (s.edge >= 0) s.edge += before.edges;
+    move_by(before.cells, s.cells);
+  }
+  for (YarnTriple& t : mesh.topology.triples) {
+    t.before += before.vertices;
+    t.centre += before.vertices;
+    t.after += before.vertices;
+  }
+  for (EdgeFaces& h : mesh.topology.hinges) {
+    h.low += before.vertices;
+    h.high += before.vertices;
+    move_by(before.vertices, h.left);
+    move_by(before.vertices, h.right);
+  }
+}
+
+void append_slab(const Appender& to_slabs, const MeshSlab& part, const Before& before, bool has_texture,
+                 MeshSlab& all) {
+  const auto vertex = [&](std::size_t i) { return before.vertices + part.vertices.first + Global(i); };
+  const auto cell = [&](std::size_t i) { return before.cells + part.cells.first + Global(i); };
+  to_slabs.append(part.rest_positions, all.vertices.total, vertex, all.rest_positions);
+  to_slabs.append(part.cell, all.cells.total, cell, all.cell);
+  if (!has_texture) return;
+  auto texture = part.texture;
+  if (texture.empty())
+    texture.assign(part.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
+  to_slabs.append(texture, all.cells.total, cell, all.texture);
+}
+
+void append_topology(const Appender& to_slabs, const Topology& part, Global vertices, Topology& all) {
+  to_slabs.append(
+      part.spokes, vertices, [&](std::size_t i) { return part.spokes[i].centre; }, all.spokes);
+  to_slabs.append(
+      part.triples, vertices, [&](std::size_t i) { return part.triples[i].centre; }, all.triples);
+  to_slabs.append(
+      part.hinges, vertices, [&](std::size_t i) { return part.hinges[i].low; }, all.hinges);
+}
+
+void find_stars(const Slab& vertices, Topology& topology) {
+  topology.star.assign(1, 0);
+  for (Global v = vertices.first; v < vertices.first + vertices.count; ++v) {
+    std::size_t end = topology.star.back();
+    while (end < topology.spokes.size() && topology.spokes[end].centre == v) ++end;
+    topology.star.push_back(end);
+  }
+}
+
+} // namespace
+
+ListedMesh join(MPI_Comm comm, std::span<const ListedMesh> meshes) {
+  ListedMesh all;
+  all.topology.triangles_only = true;
+  Global vertices = 0, cells = 0;
+  bool has_texture = false;
+  for (const ListedMesh& m : meshes) {
+    vertices += m.slab.vertices.total;
+    cells += m.slab.cells.total;
+    has_texture |= !m.slab.texture.empty();
+  }
+  has_texture = any_of(comm, has_texture);
+  all.slab.name = "the cloths";
+  all.slab.vertices = slab_of(vertices, size_of(comm), rank_of(comm));
+  all.slab.cells = slab_of(cells, size_of(comm), rank_of(comm));
+  const Appender to_slabs(comm);
+  Before before;
+  for (ListedMesh mesh : meshes) {
+    number_through(mesh, before);
+    append_slab(to_slabs, mesh.slab, before, has_texture, all.slab);
+    append_topology(to_slabs, mesh.topology, vertices, all.topology);
+    all.topology.triangles_only &= mesh.topology.triangles_only;
+    before.vertices += mesh.slab.vertices.total;
+    before.cells += mesh.slab.cells.total;
+    before.edges += mesh.topology.constrained_edges;
+  }
+  all.topology.constrained_edges = before.edges;
+  find_stars(all.slab.vertices, all.topology);
+  return all;
+}
+
+} // namespace taut
