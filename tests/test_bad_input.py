@@ -178,7 +178,7 @@ MISTAKES = [
     Mistake("cloth_and_cloths", "taut: case.yaml:5:1: cloths and cloth exclude each other; keep one",
             CASE + CLOTHS),
     Mistake("no_cloths", "taut: case.yaml:1:9: cloths: must not be empty; give at least one cloth", "cloths: []\n"),
-    Mistake("pin_on_no_cloth", "taut: case.yaml:4:27: pins.0.cloth: there is no cloth 'hat' (did you mean 'cat'?); give cat, "
+    Mistake("pin_on_no_cloth", "taut: case.yaml:4:31: pins.0.cloth: there is no cloth 'hat' (did you mean 'cat'?); give cat, "
             "or a number from 0 to 1", CLOTHS + "pins: [{vertices: [0], cloth: hat}]\n"),
     Mistake("pin_beyond_its_cloth", "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 vertices, "
             "numbered from 0", CLOTHS + "pins: [{vertices: [25], cloth: 0}]\n"),

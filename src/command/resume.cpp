@@ -1,6 +1,7 @@
 #include "io/hdf5.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/simulate.hpp"
+#include "src/command/start_contact.hpp"
 #include "src/config/changes.hpp"
 #include "src/time/checkpoint.hpp"
 
@@ -167,6 +168,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
+  if (checkpoints.empty() && !clear_start(simulation, input, out / "findings.vtp")) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
   if (next_frame > simulation.step_size().frames()) {

@@ -1,7 +1,7 @@
 #include "partition/traffic.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/simulate.hpp"
-#include "src/time/intersection_check.hpp"
+#include "src/command/start_contact.hpp"
 
 namespace taut::command {
 
@@ -12,9 +12,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
   Simulation simulation(comm, input);
   if (options.source.has_petsc_options) try_petsc_options(simulation);
   const auto out = options.out.empty() ? std::filesystem::path("out") / input.name : options.out;
-  if (input.has_contact())
-    IntersectionCheck(simulation.cloth(), simulation.obstacles(), input)
-        .refuse(simulation.state(), std::filesystem::path(out) += ".findings.vtp");
+  if (!clear_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
   make_run_folder(comm, out, input.file, options.existing);
   announce(comm, simulation, input, out);
   return simulate(comm, input, simulation, {out, options.progress, began, {}, options.counters});

@@ -176,6 +176,7 @@ struct Contact {
   std::optional<double> thickness; ///< m kept between midsurfaces; absent: see ContactProjection
   double friction = 0.3;           ///< Coulomb's coefficient of cloth on cloth
   int max_iterations = 30;
+  StartContact start = StartContact::refuse; ///< what to do with a start that intersects
   CheckAt check = CheckAt::frame;
   std::optional<Impulse> impulse; ///< the blocks of single models; absent: their defaults
   std::optional<Penalty> penalty;

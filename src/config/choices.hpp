@@ -24,6 +24,7 @@ enum class Constrain { edges, vertices };
 enum class ShakeMatrix { newton, lagged };
 enum class ContactModel { constraint, impulse, penalty, none };
 enum class FilterOrder { contact_last, contact_first };
+enum class StartContact { refuse, untangle };
 enum class CheckAt { frame, step, none };
 enum class GridCells { quads, triangles, alternating_triangles };
 enum class ShearModel { baraff_witkin, diagonals };
@@ -45,6 +46,7 @@ constexpr std::array<std::string_view, 4> words_of(ContactModel) {
   return {"constraint", "impulse", "penalty", "none"};
 }
 constexpr std::array<std::string_view, 2> words_of(FilterOrder) { return {"contact_last", "contact_first"}; }
+constexpr std::array<std::string_view, 2> words_of(StartContact) { return {"refuse", "untangle"}; }
 constexpr std::array<std::string_view, 3> words_of(CheckAt) { return {"frame", "step", "none"}; }
 constexpr std::array<std::string_view, 3> words_of(GridCells) {
   return {"quads", "triangles", "alternating_triangles"};

@@ -161,6 +161,10 @@ void describe(V& v, Is<Contact> auto& c) {
   v("friction", c.friction, {.range = not_negative, .meaning = "Coulomb coefficient of cloth on cloth"});
   v("max_iterations", c.max_iterations,
     {.range = at_least(1), .meaning = "projections with contact before a step is rejected"});
+  v("start", c.start,
+    {.meaning =
+         "what becomes of a start that intersects: it is refused, or shallow intersections are untangled "
+         "before the first step"});
   v("check", c.check, {.meaning = "when the result is tested for intersections"});
   v("impulse", c.impulse, {.computed_default = "its defaults", .meaning = "of model impulse"});
   v("penalty", c.penalty, {.computed_default = "its defaults", .meaning = "of model penalty"});

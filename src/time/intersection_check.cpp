@@ -26,17 +26,23 @@ IntersectionCheck::IntersectionCheck(const Cloth& cloth, const Obstacles& obstac
     : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check), obstacles_(obstacles),
       test_(cloth, obstacles) {}
 
-void IntersectionCheck::refuse(const State& state, const std::filesystem::path& file) {
+bool IntersectionCheck::finds_in(const State& state, const std::filesystem::path& file) {
   look(state);
-  if (count_ == 0) return;
+  if (count_ == 0) return false;
   std::error_code ignored; // writing the file will tell
   if (rank_of(cloth_.mesh.comm) == 0 && file.has_parent_path())
     std::filesystem::create_directories(file.parent_path(), ignored);
   write_text_whole(cloth_.mesh.comm, file, findings());
-  throw InputError(
-      fmt::format("the cloth starts with {} intersections; the first: {}; all of them are in {}, "
-                  "for ParaView; move `cloth.start` or the obstacle, or repair the start shape",
-                  count_, first_, file.string()));
+  return true;
+}
+
+void IntersectionCheck::refuse(const State& state, const std::filesystem::path& file) {
+  if (!finds_in(state, file)) return;
+  throw InputError(fmt::format(
+      "the cloth starts with {} intersections; the first: {}; all of them are in {}, "
+      "for ParaView; move `start` of the cloth or the obstacle, repair the start shape, or, where they "
+      "are shallow, give contact.start: untangle",
+      count_, first_, file.string()));
 }
 
 void IntersectionCheck::after_step(const State& state, const StepRecord&) {

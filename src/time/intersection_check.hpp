@@ -12,8 +12,12 @@ public:
   /// `cloth` and `obstacles` must outlive it. Collective.
   IntersectionCheck(const Cloth& cloth, const Obstacles& obstacles, const Case& input);
 
-  /// If the cloth intersects something in `state`: writes all findings to `file`, whose folder is made, and
-  /// throws InputError, naming the first. Collective.
+  /// Tests `state`; if the cloth intersects something in it, writes all findings to `file`, whose folder is
+  /// made. Whether it does. Collective.
+  bool finds_in(const State& state, const std::filesystem::path& file);
+
+  /// If the cloth intersects something in `state`, does that and throws InputError, naming the first.
+  /// Collective.
   void refuse(const State& state, const std::filesystem::path& file);
 
   void after_step(const State& state, const StepRecord& record) override;

@@ -105,6 +105,11 @@ void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global r
   rejected_steps_ = rejected_steps;
 }
 
+void Simulation::start_from(State state) {
+  state_ = std::move(state);
+  start_depth_ = lowest(cloth_, state_.positions, down_);
+}
+
 Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop) {
   const PhaseScope phase(Phase::other);
   for (Observer* o : observers) o->at_start(state_);

@@ -35,6 +35,9 @@ public:
   /// Takes the place of another simulation of this case, between two of its steps. `state`: ghosts current.
   void go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps);
 
+  /// Begins elsewhere than the case says; no step has been taken. `state`: ghosts current. Collective.
+  void start_from(State state);
+
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Collective.
   void rehearse();

@@ -1,0 +1,55 @@
+#include "src/command/start_contact.hpp"
+
+#include "src/time/intersection_check.hpp"
+#include "src/time/untangle.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace taut::command {
+
+namespace {
+
+/// What the rounds came to.
+std::string story_of(const Untangled& u) {
+  return fmt::format("after {} rounds, in which no vertex went farther than {:.3g} m", u.rounds, u.farthest);
+}
+
+bool untangle_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
+  Untangled untangled = untangle(simulation, input);
+  const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
+  if (!untangled.succeeded()) {
+    IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
+    const bool still = check.finds_in(untangled.state, file);
+    const std::string what =
+        still ? fmt::format("{} intersections are left, the first: {}; they are in {}, for ParaView",
+                            untangled.left, check.first(), file.string())
+              : fmt::format("nothing intersects, but edges are strained by {:.3g}, over the limit",
+                            untangled.strain);
+    if (speaks)
+      fmt::print(
+          stderr,
+          "taut: {}: contact.start: the start could not be untangled {}: {}; only shallow "
+          "intersections can be: move `start` of the cloth or the obstacle, or repair the start shape\n",
+          input.file.string(), story_of(untangled), what);
+    return false;
+  }
+  if (untangled.rounds == 0) return true;
+  if (speaks)
+    fmt::print("{}: the start intersected, and was untangled {}\n", input.name, story_of(untangled));
+  simulation.start_from(std::move(untangled.state));
+  return true;
+}
+
+} // namespace
+
+bool clear_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
+  if (!input.has_contact()) return true;
+  if (input.contact.value_or(config::Contact{}).start == config::StartContact::untangle)
+    return untangle_start(simulation, input, file);
+  IntersectionCheck(simulation.cloth(), simulation.obstacles(), input).refuse(simulation.state(), file);
+  return true;
+}
+
+} // namespace taut::command

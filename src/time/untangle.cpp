@@ -1,0 +1,89 @@
+#include "src/time/untangle.hpp"
+
+#include "src/contact/intersections.hpp"
+#include "src/contact/way_out.hpp"
+#include "src/filters/edge_constraints.hpp"
+#include "src/filters/project.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+constexpr int most_rounds = 200;
+constexpr double strain_left = 0.5; ///< of the limit, by a projection
+
+/// Keeps the lengths of edges where there is a limit for them.
+class EdgeKeeper {
+public:
+  EdgeKeeper(const Simulation& simulation, const Case& input, const Freedom& freedom) {
+    const auto& limits = simulation.inextensibility();
+    if (!simulation.strain_limit() || limits.constrain != config::Constrain::edges) return;
+    std::vector<double> masses = simulation.cloth().mass;
+    for (Local i = 0; i < Local(masses.size()); ++i)
+      if (!freedom.is_free(i)) masses[i] = held;
+    projector_.emplace(simulation.cloth().mesh, masses,
+                       ProjectOptions{.strain = strain_left * limits.strain,
+                                      .compliance = compliance_of(limits, simulation.weight()),
+                                      .dt = input.time.max_step});
+  }
+
+  /// What cannot be projected stays as it is.
+  void keep(std::vector<Vec3>& positions) {
+    if (!projector_) return;
+    try {
+      positions = projector_->project(positions);
+    } catch (const ProjectionError&) { // on all ranks alike; the strain that is left will tell
+    }
+  }
+
+private:
+  std::optional<Projector> projector_;
+};
+
+Freedom freedom_at_start(const Simulation& simulation, double dt) {
+  Freedom freedom(simulation.state().positions.size());
+  auto velocities = simulation.state().velocities;
+  simulation.pins().prescribe(simulation.state(), dt, freedom, velocities);
+  return freedom;
+}
+
+} // namespace
+
+Untangled untangle(const Simulation& simulation, const Case& input) {
+  const Cloth& cloth = simulation.cloth();
+  const Obstacles& obstacles = simulation.obstacles();
+  Untangled result{.state = simulation.state()};
+  std::vector<Vec3>& x = result.state.positions;
+  std::vector<Vec3> bodies;
+  obstacles.place(result.state.time, bodies);
+  const Thickness thickness(cloth, input);
+  WayOut way_out(cloth, obstacles, thickness);
+  Intersections test(cloth, obstacles);
+  const Freedom freedom = freedom_at_start(simulation, input.time.max_step);
+  EdgeKeeper edges(simulation, input, freedom);
+  const auto look = [&] {
+    result.left = sum_over(cloth.mesh.comm, Global(test.find(x, bodies).size()));
+    result.strain = simulation.gauge().measure(x).max;
+    result.is_within_limit = !simulation.strain_limit() || result.strain <= *simulation.strain_limit();
+  };
+  look();
+  if (result.left == 0) return Untangled{.state = simulation.state()};
+  for (; !result.succeeded() && result.rounds < most_rounds; look()) {
+    if (result.left > 0) {
+      const std::vector<Vec3> moves = way_out.find(x, bodies);
+      for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
+        if (freedom.is_free(i)) x[i] += moves[i];
+      cloth.mesh.vertex_halo.update(x);
+    }
+    edges.keep(x);
+    ++result.rounds;
+  }
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
+    result.farthest = std::max(result.farthest, (x[i] - simulation.state().positions[i]).norm());
+  result.farthest = max_over(cloth.mesh.comm, result.farthest);
+  return result;
+}
+
+} // namespace taut
