@@ -19,6 +19,7 @@ using testing::HasSubstr;
 TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
   const int ranks = size_of(world), me = rank_of(world), part = 6, n = part * ranks;
   for (unsigned seed = 0; seed < 20; ++seed) {
+    const std::size_t unbounded = seed % 3;
     const auto numbers = random_numbers(Global(n) * n + n, 1.0, seed);
     const Dense b = Eigen::Map<const Dense>(numbers.data(), n, n);
     const Dense a = b * b.transpose() + 0.1 * Dense::Identity(n, n);
@@ -30,8 +31,8 @@ TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
       return all;
     };
     std::vector<double> my_rhs, lower, upper, tolerance(part, 1e-10), z(part, 0.0);
-    for (int i = 0; i < part; ++i) {
-      my_rhs.push_back(rhs[part * me + i]);
+    for (int i = 0; i < part; ++i) my_rhs.push_back(rhs[part * me + i]);
+    for (int i = int(unbounded); i < part; ++i) {
       lower.push_back(i % 3 == 0 ? -HUGE_VAL : i % 3 == 1 ? 0.0 : -0.1);
       upper.push_back(i % 3 == 2 ? 0.1 : HUGE_VAL);
     }
@@ -43,6 +44,7 @@ TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
                          for (int i = 0; i < part; ++i) y[i] = x[i] / a(part * me + i, part * me + i);
                        },
                        my_rhs,
+                       unbounded,
                        lower,
                        upper,
                        tolerance};
@@ -51,12 +53,14 @@ TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
     const Column gradient = a * everywhere(z) - rhs;
     for (int i = 0; i < part; ++i) {
       const double g = gradient[part * me + i];
-      EXPECT_GE(z[i], lower[i]);
-      EXPECT_LE(z[i], upper[i]);
-      if (z[i] > lower[i]) {
+      const double low = i < int(unbounded) ? -HUGE_VAL : lower[i - unbounded];
+      const double high = i < int(unbounded) ? HUGE_VAL : upper[i - unbounded];
+      EXPECT_GE(z[i], low);
+      EXPECT_LE(z[i], high);
+      if (z[i] > low) {
         EXPECT_LE(g, 1e-8);
       }
-      if (z[i] < upper[i]) {
+      if (z[i] < high) {
         EXPECT_GE(g, -1e-8);
       }
     }
@@ -65,8 +69,7 @@ TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
 
 TEST(BoundedQp, WithoutBoundsEndsAsConjugateGradientsDo) {
   const int n = 40;
-  std::vector<double> diagonal(n), rhs(n, 1.0), free(n, HUGE_VAL), minus(n, -HUGE_VAL), tolerance(n, 1e-9),
-      z(n, 0.0);
+  std::vector<double> diagonal(n), rhs(n, 1.0), tolerance(n, 1e-9), z(n, 0.0);
   for (int i = 0; i < n; ++i) diagonal[i] = 1 + i % 5; // five eigenvalues: five iterations
   const BoundedQp qp{
       [&](std::span<const double> x, std::span<double> y) {
@@ -74,8 +77,9 @@ TEST(BoundedQp, WithoutBoundsEndsAsConjugateGradientsDo) {
       },
       [&](std::span<const double> x, std::span<double> y) { std::copy(x.begin(), x.end(), y.begin()); },
       rhs,
-      minus,
-      free,
+      std::size_t(n),
+      {},
+      {},
       tolerance};
   const QpReport report = solve(world, qp, 100, z);
   EXPECT_TRUE(report.solved);

@@ -19,8 +19,8 @@ struct Box {
   /// Grows to hold the ball of radius `r` about `p`.
   void include(const Vec3& p, double r) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], std::nextafterf(float(p[k] - r), -HUGE_VALF));
-      high[k] = std::max(high[k], std::nextafterf(float(p[k] + r), HUGE_VALF));
+      low[k] = std::min(low[k], below(p[k] - r));
+      high[k] = std::max(high[k], -below(-p[k] - r));
     }
   }
   void include(const Box& other) {
@@ -33,6 +33,14 @@ struct Box {
     for (int k = 0; k < 3; ++k)
       if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
     return true;
+  }
+
+private:
+  /// A float at most x, off by two units in the last place at most.
+  static float below(double x) {
+    constexpr float unit = 0x1p-23f, least = 0x1p-126f;
+    const float rounded = float(x);
+    return rounded - std::abs(rounded) * unit - least;
   }
 };
 

@@ -12,8 +12,8 @@ constexpr double normal_compliance = 0.05, friction_compliance = 2e-3;
 
 } // namespace
 
-ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search, ProjectionSystem& system)
-    : cloth_(cloth), search_(search), system_(system), edges_(cloth.mesh.edges.owned),
+ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search)
+    : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned),
       edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
 QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products) {
@@ -22,8 +22,8 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow
   z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
   tolerance_.assign(edges.tolerance.begin(), edges.tolerance.begin() + edges_);
-  lower_.assign(edges_, -HUGE_VAL);
-  upper_.assign(edges_, HUGE_VAL);
+  lower_.clear();
+  upper_.clear();
   for (const ContactRow& row : rows) {
     rhs_.push_back(row.missing);
     lower_.push_back(row.lower);
@@ -32,9 +32,11 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow
     z_.push_back(row.guess);
   }
   set_diagonal();
+  yarns_.factor(edges.gradient, edges.inverse_mass, edges.freedom, edges.shift);
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
                      [this](auto r, auto s) { precondition(r, s); },
                      rhs_,
+                     edges_,
                      lower_,
                      upper_,
                      tolerance_};
@@ -65,9 +67,7 @@ void ContactQp::spread(std::span<const double> z) {
   mesh.edge_halo.end_update(edge_values_);
   search_.accumulate(field_);
   for (Local i = 0; i < mesh.vertices.owned; ++i) {
-    Vec3 pull = Vec3::Zero();
-    for (const EdgeEnd& end : mesh.star_of(i))
-      pull += end.sign * edge_values_[end.edge] * edge_equations_->gradient[end.edge];
+    const Vec3 pull = pull_at(mesh, *edge_equations_, edge_values_, i);
     push_[i] = edge_equations_->inverse_mass[i] * edge_equations_->freedom.allowed(i, field_[i] - pull);
   }
   mesh.vertex_halo.update(push_);
@@ -94,8 +94,8 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
   }
 }
 
-void ContactQp::precondition(std::span<const double> r, std::span<double> s) {
-  system_.solve_yarns(r.first(edges_), s.first(edges_));
+void ContactQp::precondition(std::span<const double> r, std::span<double> s) const {
+  yarns_.solve(r.first(edges_), s.first(edges_));
   for (std::size_t k = 0; k < rows_.size(); ++k) s[edges_ + k] = r[edges_ + k] / row_diagonal_[k];
 }
 

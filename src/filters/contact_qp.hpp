@@ -1,20 +1,10 @@
 #pragma once
 #include "src/contact/rows.hpp"
+#include "src/filters/edge_equations.hpp"
 #include "src/linear/bounded_qp.hpp"
-#include "src/linear/projection_system.hpp"
+#include "src/linear/yarn_system.hpp"
 
 namespace taut {
-
-/// The edges' part of a quadratic program: see ProjectionSystem::assemble.
-struct EdgeEquations {
-  std::span<const Vec3> gradient;       ///< of local edges
-  std::span<const double> inverse_mass; ///< of local vertices
-  const Freedom& freedom;               ///< of local vertices
-  std::span<const double> shift;        ///< of owned edges
-  std::span<const double> residual;     ///< C - a mu of owned edges, what their rows have to take away
-  std::span<const double> tolerance;    ///< of owned edges, what may be left of it
-  std::span<const double> guess;        ///< of owned edges, the multipliers' increments
-};
 
 /// Edges as equations and contacts as inequalities, in one quadratic program for their multipliers,
 ///
@@ -22,10 +12,12 @@ struct EdgeEquations {
 ///
 /// A the compliance: that of the edges, and a small part of the diagonal for contact rows, which may be
 /// redundant. Matrix-free; preconditioned by the yarns' tridiagonal blocks and the contacts' diagonal.
+/// (To take rows that hold a vertex fast out of the edges' blocks exactly costs more than it saves: it finds
+/// the stresses in which edges and contacts only strain against each other, and these run into the bounds.)
 class ContactQp {
 public:
-  /// All references must outlive it; `system` is assembled for the edges at hand when solving. Collective.
-  ContactQp(const Cloth& cloth, const ContactSearch& search, ProjectionSystem& system);
+  /// Both must outlive it. Collective.
+  ContactQp(const Cloth& cloth, const ContactSearch& search);
 
   /// Multipliers' increments of [owned edges; rows]. Collective.
   QpReport solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products);
@@ -38,13 +30,13 @@ public:
 
 private:
   void set_diagonal();
+  void precondition(std::span<const double> r, std::span<double> s) const;
   void multiply(std::span<const double> z, std::span<double> result);
-  void precondition(std::span<const double> r, std::span<double> s);
   void spread(std::span<const double> z);
 
   const Cloth& cloth_;
   const ContactSearch& search_;
-  ProjectionSystem& system_;
+  YarnSystem yarns_;
   std::size_t edges_;                             ///< owned
   const EdgeEquations* edge_equations_ = nullptr; ///< of the program in hand
   std::span<const ContactRow> rows_;

@@ -197,8 +197,8 @@ void ImpulseContact::part_all(const Zone& zone) {
   const auto precondition = [&](std::span<const double> r, std::span<double> s) {
     for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].mobility;
   };
-  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, missing, lower, upper, tolerance}, most_products,
-        sizes);
+  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, missing, 0, lower, upper, tolerance},
+        most_products, sizes);
   spread(impacts, sizes);
 }
 

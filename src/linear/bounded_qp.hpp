@@ -11,8 +11,10 @@ struct BoundedQp {
   using Operator = std::function<void(std::span<const double>, std::span<double>)>;
   Operator multiply;     ///< A z; collective
   Operator precondition; ///< an approximate inverse of A; diagonal on entries that have a bound; collective
-  std::span<const double> rhs, lower, upper; ///< bounds may be infinite
-  std::span<const double> tolerance;         ///< what the projected gradient may leave of each entry
+  std::span<const double> rhs;
+  std::size_t unbounded;                ///< so many leading entries of this rank have no bounds
+  std::span<const double> lower, upper; ///< of the entries behind them; may be infinite
+  std::span<const double> tolerance;    ///< what the projected gradient may leave of each entry
 };
 
 struct QpReport {

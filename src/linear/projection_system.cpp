@@ -117,7 +117,6 @@ struct ProjectionSystem::Petsc {
   const Operator* operation = nullptr;
   OwnedVec rhs, solution;
   LinearSolver solver;
-  bool yarns_are_factored = false; ///< by solve_yarns
 
   Petsc(const DistributedMesh& mesh, const SolverOptions& options)
       : rows(pattern_of(mesh)), yarns(find_yarns(mesh)),
@@ -135,7 +134,6 @@ struct ProjectionSystem::Petsc {
                     std::vector<double>& mu);
 
   void update_blocks() {
-    yarns_are_factored = false;
     for (std::size_t e = 0; e < rows.diagonal.size(); ++e)
       blocks.matrix.diagonal[e] = rows.value(rows.diagonal[e]);
     for (const auto& [place, edge] : links.inside) blocks.matrix.to_previous[edge] = rows.value(place);
@@ -216,13 +214,6 @@ SolveReport ProjectionSystem::Petsc::solve(const DistributedMesh& mesh, Mat syst
   take(solution, std::span(mu).first(owned));
   mesh.edge_halo.update(mu);
   return report;
-}
-
-void ProjectionSystem::solve_yarns(std::span<const double> b, std::span<double> x) {
-  Petsc& p = *petsc_;
-  if (!p.yarns_are_factored) p.blocks.factor.factor(p.blocks.matrix);
-  p.yarns_are_factored = true;
-  p.blocks.factor.solve(b, x);
 }
 
 SolveReport ProjectionSystem::solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu) {

@@ -39,10 +39,6 @@ public:
   /// norm. `rhs` holds owned edges. Collective.
   SolveReport solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu);
 
-  /// x = T^-1 b over owned edges, where T is the part of the assembled matrix along yarns: tridiagonal
-  /// blocks, solved exactly across ranks. `b` and `x` may be the same. Collective over neighbours.
-  void solve_yarns(std::span<const double> b, std::span<double> x);
-
   /// product = A mu over owned edges; may be collective.
   using Operator = std::function<void(std::span<const double> mu, std::span<double> product)>;
 
