@@ -19,7 +19,8 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
 }
 
 /// Vertices against faces both ways, edges against edges, each by the element that represents it. An element
-/// without a face has edges only, a point is an edge of no length.
+/// without a face has edges only, a point is an edge of no length. Vertices of the cloth meet the edges and
+/// points of obstacles by themselves too: where these are round, vertices are enough to rest on them.
 void ContactSearch::meet_features(const Element& a, const Element& b, double reach) {
   const std::int16_t body = std::max(a.body, b.body);
   if (b.is_triangle())
@@ -38,19 +39,24 @@ void ContactSearch::meet_features(const Element& a, const Element& b, double rea
         if (b.represents_edge(l) || (b.corners == 1 && !a.is_triangle()))
           try_pair(PairKind::edge_edge, body, {a.vertices[k], a.edge_end(k), b.vertices[l], b.edge_end(l)},
                    reach);
+  if (body >= 0 && !b.is_triangle())
+    for (int k = 0; k < a.corners; ++k)
+      if (a.represents_vertex(k))
+        try_pair(PairKind::vertex_edge, body, {a.vertices[k], b.vertices[0], b.edge_end(0), b.vertices[0]},
+                 reach);
 }
 
 /// Keeps the pair if nothing shows that it stays apart: vertices in common, balls around its features, their
 /// distance, the motion along the direction of that.
 void ContactSearch::try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& v, double reach) {
   const auto vertices = elements_.vertices();
-  const bool is_face = kind == PairKind::vertex_face;
-  for (int i = 0; i < (is_face ? 1 : 2); ++i)
-    for (int k = is_face ? 1 : 2; k < 4; ++k)
+  const bool is_edges = kind == PairKind::edge_edge;
+  for (int i = 0; i < (is_edges ? 2 : 1); ++i)
+    for (int k = is_edges ? 2 : 1; k < 4; ++k)
       if (vertices[v[i]].key == vertices[v[k]].key) return;
   const Pair pair{v, kind, body, body >= 0 ? obstacles_.body(body).radius : 0.0, Vec3::Zero()};
   const Four x = at(pair, elements_.positions());
-  if (!is_face) {
+  if (is_edges) {
     const double far = reach + 0.5 * ((x[1] - x[0]).norm() + (x[3] - x[2]).norm());
     if (0.25 * (x[0] + x[1] - x[2] - x[3]).squaredNorm() > far * far) return;
   }

@@ -83,7 +83,8 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
   for (int body = 0; body < int(inputs_.size()); ++body) {
     const config::Obstacle& o = inputs_[body];
     const double inside = o.sphere ? o.sphere->radius : o.capsule ? o.capsule->radius : 0.0;
-    bodies_.push_back({name_of(o, body), inside + o.thickness, o.friction.value_or(contact.friction)});
+    bodies_.push_back({name_of(o, body), inside + o.thickness, o.friction.value_or(contact.friction),
+                       o.sphere || o.capsule});
     add(comm, input, body);
   }
 }

@@ -10,7 +10,11 @@ constexpr int most_advances = 60;
 constexpr double part_of_bound = 0.9; // of a conservative bound, so that rounding cannot use it up
 
 Closest closest(PairKind kind, const Four& x) {
-  return kind == PairKind::vertex_face ? closest_vertex_face(x) : closest_edge_edge(x);
+  if (kind == PairKind::vertex_face) return closest_vertex_face(x);
+  if (kind == PairKind::edge_edge) return closest_edge_edge(x);
+  Closest c = closest_edge_edge({x[0], x[0], x[1], x[2]});
+  c.weights = {1, c.weights[2], c.weights[3], 0};
+  return c;
 }
 
 } // namespace
@@ -30,6 +34,8 @@ double closing(const Pair& pair, const Four& u, const Vec3& normal) {
     return std::max({b, c, d}) - a;
   case PairKind::edge_edge:
     return std::max(c, d) - std::min(a, b);
+  case PairKind::vertex_edge:
+    return std::max(b, c) - a;
   case PairKind::vertex_plane:
     return b - a;
   }

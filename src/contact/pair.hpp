@@ -5,10 +5,11 @@
 
 namespace taut {
 
-enum class PairKind : std::int8_t { vertex_face, edge_edge, vertex_plane };
+enum class PairKind : std::int8_t { vertex_face, edge_edge, vertex_edge, vertex_plane };
 
-/// Two features that may meet: vertex 0 and the triangle (1, 2, 3), the edges (0, 1) and (2, 3), or vertex 0
-/// and the plane through vertex 1. Vertices are places in contact fields (ContactSearch).
+/// Two features that may meet: vertex 0 and the triangle (1, 2, 3), the edges (0, 1) and (2, 3), vertex 0 and
+/// the edge (1, 2), which may be a point, or vertex 0 and the plane through vertex 1. Vertices are places in
+/// contact fields (ContactSearch).
 struct Pair {
   std::array<Local, 4> vertices;
   PairKind kind;

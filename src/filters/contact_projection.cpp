@@ -35,7 +35,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
                                      double weight)
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
-      system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_, system_), thickness_(cloth, input),
+      system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
       compliance_(
           limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
@@ -170,8 +170,8 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
 
 /// Moves the target to where edges and contacts want it.
 void ContactProjection::project(double strain, FilterReport& report) {
-  system_.assemble(gradient_, inverse_mass_, *freedom_, shift_);
   if (contacts_ == 0) {
+    system_.assemble(gradient_, inverse_mass_, *freedom_, shift_);
     const double forcing = std::clamp(0.1 * limits_.strain / strain, 1e-4, 1e-2);
     const SolveReport solved = system_.solve(residual_, forcing, change_);
     report.linear_iterations += solved.iterations;

@@ -2,6 +2,7 @@
 #include "src/contact/thickness.hpp"
 #include "src/filters/contact_qp.hpp"
 #include "src/filters/velocity_filter.hpp"
+#include "src/linear/projection_system.hpp"
 
 #include <set>
 
