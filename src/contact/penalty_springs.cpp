@@ -50,7 +50,17 @@ void PenaltySprings::find_pairs(const State& state, double dt) const {
   for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
 }
 
+/// Whether SolidConstraints keeps the two apart: vertices of the cloth on an obstacle, and all of it on a
+/// round one.
+bool PenaltySprings::is_solid(const Pair& pair) const {
+  if (pair.body < 0) return false;
+  const Local v = pair.vertices[0];
+  const bool vertex_of_cloth = v < search_.own() || v >= search_.home();
+  return obstacles_.body(pair.body).is_round || (pair.kind != PairKind::edge_edge && vertex_of_cloth);
+}
+
 std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, double dt) const {
+  if (is_solid(pair)) return {};
   const Approach here = approach(pair, at(pair, start_field_));
   const auto& w = here.weights;
   if (pair.kind == PairKind::edge_edge && (w[0] == 0 || w[1] == 0 || w[2] == 0 || w[3] == 0))

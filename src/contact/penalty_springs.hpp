@@ -14,6 +14,9 @@ namespace taut {
 /// at the start over the speed of the slip, which holds up to a creep of 5 mm/s. Nothing keeps features from
 /// passing each other within a step.
 ///
+/// Between cloth and obstacles it acts only where corners and edges of a mesh meet faces and edges of the
+/// cloth; vertices of the cloth are kept by SolidConstraints.
+///
 /// Its energy is left out of the balance: it is stored and given back within few steps.
 class PenaltySprings : public Force {
 public:
@@ -28,6 +31,7 @@ public:
 private:
   struct Spring;
   std::optional<Spring> spring(const Pair& pair, double dt) const;
+  bool is_solid(const Pair& pair) const;
   void find_pairs(const State& state, double dt) const;
 
   const Obstacles& obstacles_;

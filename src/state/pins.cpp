@@ -193,17 +193,6 @@ void Pins::prescribe(const State& state, double dt, Freedom& freedom, std::vecto
   }
 }
 
-void Pins::add_pull(const Cloth& cloth, const Freedom& freedom, std::span<const Vec3> positions,
-                    std::span<const double> change, std::vector<Vec3>& reaction) const {
-  for (const Held& h : held_) {
-    if (!cloth.mesh.owns_vertex(h.vertex)) continue;
-    Vec3 pull = Vec3::Zero();
-    for (const EdgeEnd& end : cloth.mesh.star_of(h.vertex))
-      pull += change[end.edge] * (positions[end.other] - positions[h.vertex]);
-    reaction[h.vertex] -= freedom.denied(h.vertex, pull);
-  }
-}
-
 std::vector<Vec3> Pins::totals(const Cloth& cloth, std::span<const Vec3> reaction) const {
   std::vector<Vec3> totals(pins_.size(), Vec3::Zero());
   for (const Held& h : held_)

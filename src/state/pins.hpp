@@ -19,11 +19,6 @@ public:
   /// they are pinned the velocity that brings them to their place. Not collective.
   void prescribe(const State& state, double dt, Freedom& freedom, std::vector<Vec3>& velocities) const;
 
-  /// From what prescribing the velocities of a step took, to what it took at its end: takes off what the
-  /// edges around each pinned vertex pull more than the prediction knew, `change` in N/m. Not collective.
-  void add_pull(const Cloth& cloth, const Freedom& freedom, std::span<const Vec3> positions,
-                std::span<const double> change, std::vector<Vec3>& reaction) const;
-
   /// The sum of `reaction` over the vertices of each pin that this rank owns. Not collective.
   std::vector<Vec3> totals(const Cloth& cloth, std::span<const Vec3> reaction) const;
 

@@ -60,6 +60,8 @@ double weight_of(const Cloth& cloth, const Vec3& gravity) {
   return sum_over(cloth.mesh.comm, mass) * gravity.norm();
 }
 
+constexpr int most_releases = 4; ///< predictions that are made again in a step
+
 /// Seconds since the last call.
 class Stopwatch {
 public:
@@ -97,6 +99,9 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
   if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
     xpbd_.emplace(cloth_, pattern_, forces_, pins_, input.inextensibility);
   if (max_stretch_change_ || limits_averages()) tangents_ = tangents_of(cloth_);
+  if (input.contact_model() != config::ContactModel::penalty || obstacles_.empty()) return;
+  solids_.emplace(cloth_, obstacles_, input);
+  forces_.push_back(std::make_unique<SolidFriction>(*solids_));
 }
 
 void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
@@ -160,9 +165,9 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.contacts.clear();
   candidate_.end_velocities.clear();
   candidate_.force_density.resize(state_.force_density.size());
-  const StepStart start = integrator_.start(state_, dt);
   Stopwatch watch;
   const double cpu = cpu_seconds();
+  const StepStart start = start_of_step(dt);
   if (xpbd_) {
     xpbd_->advance(state_, dt, freedom_, candidate_);
     record.iterations = xpbd_->substeps();
@@ -174,6 +179,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   for (std::size_t i = 0; i < end_positions_.size(); ++i)
     end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
   if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
+  if (solids_) solids_->note_forces(candidate_);
   record.strain = gauge_.measure(end_positions_);
   record.seconds.projection = watch.lap() - record.seconds.contact;
   record.seconds.cpu = cpu_seconds() - cpu;
@@ -187,17 +193,36 @@ bool Simulation::all_finite(std::span<const Vec3> field) const {
                  std::any_of(field.begin(), field.end(), [](const Vec3& v) { return !v.allFinite(); }));
 }
 
-/// The velocities of the candidate before any filter, and the tensions that filters start from.
+/// Solids alter positions: the step then starts from others than those at which forces are taken.
+StepStart Simulation::start_of_step(double dt) {
+  if (!solids_) return integrator_.start(state_, dt);
+  candidate_.velocities = state_.velocities;
+  pins_.prescribe(state_, dt, freedom_, candidate_.velocities);
+  solids_->find(state_, dt, freedom_);
+  altered_ = state_;
+  const auto y = solids_->alteration();
+  for (std::size_t i = 0; i < y.size(); ++i) altered_.positions[i] += y[i];
+  return {altered_, dt, state_};
+}
+
+/// The velocities of the candidate before any filter, and the tensions that filters start from. Where solids
+/// would have to pull, it is made again without them.
 void Simulation::predict(const StepStart& start, Attempt& attempt) {
   const PhaseScope phase(Phase::velocity);
-  candidate_.velocities = start.state.velocities;
   for (std::size_t e = 0; e < state_.force_density.size(); ++e)
     candidate_.force_density[e] = carried(state_.force_density[e]);
-  pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
-  const SolveReport predicted =
-      predictor_.predict(start, freedom_, candidate_.velocities, candidate_.reaction);
-  attempt.record.velocity_iterations = predicted.iterations;
-  if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
+  for (int round = 0;; ++round) {
+    candidate_.velocities = start.state.velocities;
+    pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
+    if (solids_) solids_->prescribe(freedom_, candidate_.velocities);
+    const SolveReport predicted =
+        predictor_.predict(start, freedom_, candidate_.velocities, candidate_.reaction);
+    attempt.record.velocity_iterations += predicted.iterations;
+    if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
+    if (!solids_ || !attempt.failure.empty()) return;
+    if (round == most_releases || !solids_->let_go(candidate_.reaction)) break;
+  }
+  solids_->loosen(freedom_);
 }
 
 void Simulation::filter(const StepStart& start, Attempt& attempt) {
@@ -216,12 +241,17 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
 }
 
 /// Prescribed velocities are kept by the prediction, which knows the tension carried into the step, and
-/// against what filters add to it.
+/// against what filters add to it: from what prescribing them took, to what it took at the end of the step.
 void Simulation::add_pull_of_filters() {
-  pull_.resize(state_.force_density.size());
-  for (std::size_t e = 0; e < pull_.size(); ++e)
-    pull_[e] = candidate_.force_density[e] - carried(state_.force_density[e]);
-  pins_.add_pull(cloth_, freedom_, end_positions_, pull_, candidate_.reaction);
+  if (freedom_.all_free()) return;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    if (freedom_.is_free(i)) continue;
+    Vec3 pull = Vec3::Zero();
+    for (const EdgeEnd& end : cloth_.mesh.star_of(i))
+      pull += (candidate_.force_density[end.edge] - carried(state_.force_density[end.edge])) *
+              (end_positions_[end.other] - end_positions_[i]);
+    candidate_.reaction[i] -= freedom_.denied(i, pull);
+  }
 }
 
 /// What the prediction carries of a force density of the step before.

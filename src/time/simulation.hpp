@@ -1,5 +1,5 @@
 #pragma once
-#include "src/contact/obstacles.hpp"
+#include "src/contact/solid_constraints.hpp"
 #include "src/filters/velocity_filter.hpp"
 #include "src/forces/stretch.hpp"
 #include "src/state/strain_gauge.hpp"
@@ -63,6 +63,7 @@ private:
   };
   static bool never() { return false; }
   Attempt attempt(double dt);
+  StepStart start_of_step(double dt);
   void predict(const StepStart& start, Attempt& attempt);
   void filter(const StepStart& start, Attempt& attempt);
   bool all_finite(std::span<const Vec3> field) const;
@@ -85,6 +86,8 @@ private:
   StrainGauge gauge_;
   Pins pins_;
   Pattern pattern_;
+  std::optional<SolidConstraints> solids_; ///< with contact by penalty
+  State altered_;                          ///< what a step with these starts from
   Forces forces_;
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
   Integrator integrator_;
@@ -96,7 +99,6 @@ private:
   Global rejected_steps_ = 0;
   Candidate candidate_;
   std::vector<Vec3> end_positions_;
-  std::vector<double> pull_; ///< force densities that filters added, N/m
   Freedom freedom_;
   double start_depth_ = 0;
 };

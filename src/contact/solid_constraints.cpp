@@ -1,0 +1,128 @@
+#include "src/contact/solid_constraints.hpp"
+
+#include "src/contact/friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+constexpr double at_rest = 0.01; ///< of what friction can stop in a step: slip below it is none
+constexpr double arrived =
+    0.99; ///< of the thickness: one that was let go stands a rounding error away from it
+
+} // namespace
+
+SolidConstraints::SolidConstraints(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
+    : cloth_(cloth), obstacles_(obstacles), contact_(*input.contact), thickness_(cloth, input),
+      search_(cloth, obstacles), rests_(cloth.mesh.vertices.size()), alteration_(cloth.mesh.vertices.size()) {
+}
+
+void SolidConstraints::find(const State& state, double dt, const Freedom& freedom) {
+  const std::vector<Nearest> found = nearest(state, dt);
+  for (Local i = 0; i < search_.own(); ++i) {
+    rests_[i] = {};
+    alteration_[i] = Vec3::Zero();
+    if (!freedom.is_free(i) || found[i].gap == HUGE_VAL) continue;
+    rests_[i] = rest_on(found[i], state.contact_force[i],
+                        cloth_.mass[i] * (state.velocities[i] - found[i].surface), dt);
+    if (rests_[i].hold != Hold::none) alteration_[i] = (found[i].thickness - found[i].gap) * found[i].normal;
+  }
+  cloth_.mesh.vertex_halo.update(rests_);
+  cloth_.mesh.vertex_halo.update(alteration_);
+}
+
+/// What each vertex is nearest to, of what comes within twice the thickness; a pair may have been found by
+/// another rank than the vertex's.
+std::vector<SolidConstraints::Nearest> SolidConstraints::nearest(const State& state, double dt) {
+  obstacles_.place(state.time, bodies_from_);
+  obstacles_.place(state.time + dt, bodies_to_);
+  const std::vector<Mat3> spins = obstacles_.spins(state.time, state.time + dt);
+  const auto& x = state.positions;
+  search_.find({x, x, bodies_from_, bodies_from_}, 2.0 * thickness_.largest(), 0.0);
+  search_.gather(x, bodies_from_, start_field_);
+  search_.gather(x, bodies_to_, end_field_);
+  std::vector<Nearest> result(search_.size());
+  for (const Pair& pair : search_.pairs()) {
+    const Local v = pair.vertices[0];
+    const bool is_cloth = v < search_.own() || v >= search_.home();
+    if (pair.body < 0 || !is_cloth || pair.kind == PairKind::edge_edge) continue;
+    const Approach here = approach(pair, at(pair, start_field_));
+    Vec3 moves = spins[pair.body] * here.normal; // of the surface below the vertex
+    for (int i = 1; i < 4; ++i)
+      moves -= here.weights[i] * (end_field_[pair.vertices[i]] - start_field_[pair.vertices[i]]);
+    result[v] = std::min(result[v], Nearest{here.gap, thickness_.of(pair, search_.keys()), here.normal,
+                                            moves / dt, friction_of(pair, obstacles_, contact_)});
+  }
+  search_.plan().reverse_min<Nearest>(result, result);
+  return result;
+}
+
+/// By the force that the obstacle exerted on the vertex in the step before, and its momentum relative to the
+/// surface.
+SolidConstraints::Rest SolidConstraints::rest_on(const Nearest& nearest, const Vec3& force,
+                                                 const Vec3& momentum, double dt) const {
+  const Vec3& n = nearest.normal;
+  const double normal_force = n.dot(force);
+  const bool was_held = !force.isZero(0);
+  if (was_held ? normal_force <= 0 : nearest.gap > arrived * nearest.thickness) return {};
+  Rest rest{Hold::slips, n, nearest.surface, Vec3::Zero()};
+  const double most = nearest.friction * normal_force;
+  if (most <= 0) return rest; // has just arrived, or is smooth
+  const Vec3 slips = momentum - n.dot(momentum) * n, held = force - normal_force * n;
+  const bool slipped = slips.norm() > at_rest * dt * most;
+  if (slipped ? slips.norm() <= dt * most : held.norm() <= most)
+    rest.hold = Hold::sticks;
+  else
+    rest.friction = most * (slipped ? Vec3(-slips.normalized()) : Vec3(held.normalized()));
+  return rest;
+}
+
+void SolidConstraints::prescribe(Freedom& freedom, std::vector<Vec3>& velocities) const {
+  for (std::size_t i = 0; i < rests_.size(); ++i) {
+    const Rest& rest = rests_[i];
+    if (rest.hold == Hold::none) continue;
+    if (rest.hold == Hold::sticks)
+      freedom.hold(Local(i));
+    else
+      freedom.keep_in_plane(Local(i), rest.normal);
+    velocities[i] = freedom.allowed(Local(i), velocities[i]) + freedom.denied(Local(i), rest.surface);
+  }
+}
+
+bool SolidConstraints::let_go(std::span<const Vec3> reaction) {
+  bool any = false;
+  for (Local i = 0; i < search_.own(); ++i) {
+    if (rests_[i].hold == Hold::none || rests_[i].normal.dot(reaction[i]) >= 0) continue;
+    rests_[i] = {};
+    any = true;
+  }
+  any = any_of(cloth_.mesh.comm, any);
+  if (any) cloth_.mesh.vertex_halo.update(rests_);
+  return any;
+}
+
+void SolidConstraints::loosen(Freedom& freedom) const {
+  for (std::size_t i = 0; i < rests_.size(); ++i)
+    if (rests_[i].hold == Hold::sticks) freedom.keep_in_plane(Local(i), rests_[i].normal);
+}
+
+void SolidConstraints::add_friction(StepSystem& system) const {
+  for (Local i = 0; i < search_.own(); ++i)
+    if (rests_[i].hold == Hold::slips) system.add_force(i, rests_[i].friction);
+}
+
+void SolidConstraints::note_forces(Candidate& candidate) const {
+  for (Local i = 0; i < search_.own(); ++i) {
+    const Rest& rest = rests_[i];
+    if (rest.hold == Hold::none) continue;
+    candidate.pressing[i] = candidate.reaction[i] + rest.friction;
+    candidate.reaction[i] = Vec3::Zero();
+    candidate.contact_force[i] = candidate.pressing[i];
+  }
+  cloth_.mesh.vertex_halo.update(candidate.contact_force);
+}
+
+} // namespace taut
