@@ -97,5 +97,26 @@ class Output(running.Folder):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
 
 
+class Start(running.Folder):
+    def begin(self, out, obstacle, *options, ranks=1):
+        return self.taut("run", "case.yaml", "--out", out, "--set", "time.end=0.05", "--set", f"obstacles=[{obstacle}]", *options,
+                         ranks=ranks)
+
+    def test_that_intersects(self):
+        ball, untangle = "{sphere: {centre: [0.5, 0.5, -0.297], radius: 0.3}}", ("--set", "contact.start=untangle")
+        code, _, err = self.begin("refused", ball)
+        self.assertEqual(code, 2)
+        self.assertIn("give contact.start: untangle", err)
+        for ranks in (1, 3):
+            code, out, err = self.begin(f"free-{ranks}", ball, *untangle, ranks=ranks)
+            self.assertEqual((code, err), (0, ""))
+            self.assertIn("the start intersected, and was untangled after ", out)
+        code, _, err = self.begin("hopeless", "{plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}}", *untangle, ranks=2)
+        self.assertEqual(code, 3)
+        self.assertIn("case.yaml: contact.start: the start could not be untangled after 100 rounds", err)
+        self.assertTrue((self.folder / "hopeless.findings.vtp").exists())
+        self.assertFalse((self.folder / "hopeless").exists())
+
+
 if __name__ == "__main__":
     running.main(__doc__)

@@ -135,6 +135,22 @@ class Resume(Folder):
         self.assertEqual(self.taut("resume", "run", "--set", f"cloth.mesh={self.folder}/elsewhere.obj")[0], 0)
         self.assert_same_run(run, whole)
 
+    def test_several_cloths(self):
+        cloths = ("--set", "cloths=[{name: large, grid: {size: [1, 1], vertices: [11, 11]}}, {grid: {size: [0.5, 0.5], vertices: "
+                  "[6, 6]}, start: {translate: [0, 0, 0.3]}, material: {density: 0.1}}]")
+        whole, run = self.run_case("whole", *cloths), self.stop_run("run", 12, *cloths)
+        for setting, words in (("cloths.1.grid.vertices=[7, 7]", "cloths.1.grid.vertices was [6, 6] and is [7, 7] now"),
+                               ("cloths.0.start.translate=[0, 0, 1]", "cloths.0.start.translate was [0, 0, 0] and is [0, 0, 1]"),
+                               ("pins.0.cloth=large", "pins.0.cloth was none and is large now")):
+            code, _, err = self.taut("resume", "run", "--set", setting)
+            self.assertEqual(code, 2, setting)
+            self.assertIn(words, err)
+        self.assertEqual(self.taut("resume", "run")[0], 0)
+        self.assert_same_run(run, whole)
+        with h5py.File(run / "mesh.h5") as mesh:
+            self.assertEqual(list(mesh["cells/cloth"]), 100 * [0] + 25 * [1])
+        self.assertIn("large      121 vertices, 100 faces\n    cloth 1    36 vertices, 25 faces", self.taut("info", "run")[1])
+
 
 class Checkpoints(Folder):
     def test_are_written_when_asked_and_two_are_kept(self):

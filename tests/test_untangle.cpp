@@ -83,6 +83,25 @@ TEST(Untangle, OffAMeshThatPokesThrough) {
                    0.01);
 }
 
+TEST(Untangle, OffABoxWithUprightWalls) {
+  expect_untangled(case_of("cloth: {" + sheet +
+                           "}\nobstacles: [{box: {min: [0.103, 0.106, -0.1], max: [0.204, 0.2015, 0.003]}}]" +
+                           rest),
+                   0.01);
+}
+
+TEST(Untangle, OffAnOpenMesh) {
+  const Folder folder;
+  if (rank_of(world) == 0)
+    std::ofstream(folder / "roof.obj")
+        << "v 0.1 0.1 -0.03\nv 0.2 0.1 -0.03\nv 0.2 0.2 -0.03\nv 0.1 0.2 -0.03\n"
+           "v 0.152 0.153 0.003\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+  MPI_Barrier(world);
+  expect_untangled(
+      case_of("cloth: {" + sheet + "}\nobstacles: [{mesh: " + (folder / "roof.obj").string() + "}]" + rest),
+      0.01);
+}
+
 TEST(Untangle, ADimpleThroughAnotherLayer) {
   const Folder folder;
   write_sheet(folder / "dimple.obj", [](double x, double y) {

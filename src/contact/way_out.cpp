@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace taut {
 
@@ -24,8 +26,8 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 } // namespace
 
 WayOut::WayOut(const Cloth& cloth, const Obstacles& obstacles, const Thickness& thickness)
-    : cloth_(cloth), thickness_(thickness), elements_(cloth, obstacles), search_(cloth, obstacles),
-      has_faces_(obstacles.bodies(), 0) {
+    : cloth_(cloth), obstacles_(obstacles), thickness_(thickness), elements_(cloth, obstacles),
+      search_(cloth, obstacles), has_faces_(obstacles.bodies(), 0) {
   for (const Element& e : obstacles.elements())
     if (e.is_triangle()) has_faces_[e.body] = 1;
 }
@@ -33,10 +35,13 @@ WayOut::WayOut(const Cloth& cloth, const Obstacles& obstacles, const Thickness& 
 std::vector<Vec3> WayOut::find(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
   pushes_.clear();
   owners_.clear();
+  pierced_.clear();
+  crossed_.clear();
   elements_.find({cloth, cloth, obstacles, obstacles}, 0.0);
   elements_.for_each_pair([this](const Element& a, const Element& b, double) { shorten(a, b); });
   std::vector<Vec3> moves = moves_along_curves();
-  leave_bodies(cloth, obstacles, moves);
+  const bool crosses = any_of(cloth_.mesh.comm, !pushes_.empty());
+  leave_bodies(cloth, obstacles, leave_solids(obstacles, moves) || crosses, moves);
   return moves;
 }
 
@@ -75,7 +80,10 @@ void WayOut::shorten(const Element& a, const Element& b) {
       if (!apart) continue;
       if (const auto p = pierce(from, to, *face)) places.push_back(*p);
     }
-  if (places.size() == 2) {
+  const int body = std::max(a.body, b.body);
+  if (body >= 0 && obstacles_.body(body).rims == 0) {
+    if (!places.empty()) note(a, body, places);
+  } else if (places.size() == 2) {
     push(places[0], places[1].place);
     push(places[1], places[0].place);
   } else if (places.size() == 1 && shared) {
@@ -98,6 +106,95 @@ void WayOut::push(const Piercing& at, const Vec3& towards) {
   }
 }
 
+/// Where a triangle crosses a closed mesh, and where its edges do.
+void WayOut::note(const Element& cloth, int body, std::span<const Piercing> places) {
+  Crossing& crossing = crossed_[{body, cloth.vertices}];
+  for (const Piercing& p : places) {
+    const auto [from, to] = std::minmax(p.vertices[0], p.vertices[1]);
+    const bool is_edge_of_cloth = to < cloth_.mesh.vertices.size();
+    if (is_edge_of_cloth)
+      pierced_[{body, from, to}].push_back(from == p.vertices[0] ? p.weights[1] : p.weights[0]);
+    for (int i = is_edge_of_cloth ? 0 : 2; i < (is_edge_of_cloth ? 2 : 5); ++i)
+      for (int k = 0; k < 3; ++k)
+        if (cloth.vertices[k] == p.vertices[i]) crossing.weights[k] += std::abs(p.weights[i]);
+    ++crossing.count;
+  }
+}
+
+/// The vertices of triangles that cross a closed mesh, the middle of where each crosses it, and the middle
+/// between two places where an edge does.
+std::vector<WayOut::Place> WayOut::places_within() const {
+  std::vector<Place> places;
+  for (const auto& [triangle, crossing] : crossed_) {
+    const auto& [body, v] = triangle;
+    for (int k = 0; k < 3; ++k) places.push_back({v, Vec3::Unit(k), body});
+    places.push_back({v, crossing.weights / crossing.count, body});
+  }
+  for (const auto& [edge, pierced] : pierced_) {
+    const auto& [body, from, to] = edge;
+    std::vector<double> along = pierced;
+    std::sort(along.begin(), along.end());
+    for (std::size_t i = 1; i < along.size(); ++i) {
+      const double middle = 0.5 * (along[i - 1] + along[i]);
+      if (along[i] > along[i - 1]) places.push_back({{from, to, to}, {1 - middle, middle, 0}, body});
+    }
+  }
+  return places;
+}
+
+/// By the winding number, the sum of the solid angles of all triangles [Van Oosterom and Strackee 1983].
+bool WayOut::is_inside(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
+  double angle = 0;
+  for (const Element& e : obstacles_.elements()) {
+    if (e.body != body) continue;
+    const Vec3 a = obstacles[e.vertices[0]] - x, b = obstacles[e.vertices[1]] - x,
+               c = obstacles[e.vertices[2]] - x;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return std::abs(angle) > 2 * std::numbers::pi; // half of all around
+}
+
+Vec3 WayOut::to_surface(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
+  Vec3 way = Vec3::Constant(HUGE_VAL);
+  for (const Element& e : obstacles_.elements()) {
+    if (e.body != body) continue;
+    const Closest near = closest_vertex_face(
+        {x, obstacles[e.vertices[0]], obstacles[e.vertices[1]], obstacles[e.vertices[2]]});
+    if (near.distance < way.norm()) way = -near.offset;
+  }
+  return way;
+}
+
+/// Whether anything is inside a closed mesh. Collective.
+bool WayOut::leave_solids(std::span<const Vec3> obstacles, std::vector<Vec3>& moves) {
+  const auto x = elements_.positions();
+  const double beyond = clearance * thickness_.largest();
+  std::vector<Push> ways;
+  std::vector<int> owners;
+  for (const auto& [vertices, at, body] : places_within()) {
+    const Vec3 place = at[0] * x[vertices[0]] + at[1] * x[vertices[1]] + at[2] * x[vertices[2]];
+    if (!is_inside(place, body, obstacles)) continue;
+    Vec3 way = to_surface(place, body, obstacles);
+    way *= 1 + beyond / std::max(way.norm(), 1e-9 * beyond);
+    for (int k = 0; k < 3; ++k) {
+      if (at[k] == 0) continue;
+      const SurfaceVertex& v = elements_.vertices()[vertices[k]];
+      ways.push_back({v.place, at[k], at[k] * at[k] / at.squaredNorm() * way});
+      owners.push_back(v.owner);
+    }
+  }
+  std::vector<double> weights(moves.size(), 0.0);
+  for (const Push& p : exchange(cloth_.mesh.comm, ways, owners).items) {
+    if (weights[p.place] == 0) moves[p.place].setZero();
+    moves[p.place] += p.direction;
+    weights[p.place] += p.weight;
+  }
+  for (std::size_t i = 0; i < moves.size(); ++i)
+    if (weights[i] > 0) moves[i] /= weights[i];
+  return any_of(cloth_.mesh.comm, !crossed_.empty());
+}
+
 /// The mean of the pushes on each owned vertex, as a move of limited length.
 std::vector<Vec3> WayOut::moves_along_curves() {
   std::vector<Vec3> moves(search_.own(), Vec3::Zero());
@@ -115,9 +212,8 @@ std::vector<Vec3> WayOut::moves_along_curves() {
 }
 
 /// Where a surface crosses that of a body, nothing tells its sides apart: first the curves have to go.
-void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles,
+void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, bool crosses,
                           std::vector<Vec3>& moves) {
-  const bool crosses = any_of(cloth_.mesh.comm, !pushes_.empty());
   search_.find({cloth, cloth, obstacles, obstacles}, 0.0, 0.0);
   std::vector<Vec3> field;
   search_.gather(cloth, obstacles, field);

@@ -2,7 +2,9 @@
 #include "src/contact/contact_search.hpp"
 #include "src/contact/thickness.hpp"
 
+#include <map>
 #include <optional>
+#include <tuple>
 
 namespace taut {
 
@@ -15,8 +17,9 @@ namespace taut {
 /// shrinks and is gone [Volino and Magnenat-Thalmann 2006]. That knows nothing of inside and outside, and
 /// works for open surfaces.
 ///
-/// Out of spheres, capsules and half-spaces, and of the thickness around meshes, cloth moves along the
-/// normal.
+/// Out of a closed mesh, whose walls may be steep, what of the cloth's vertices and edges is inside goes to
+/// the nearest place of its surface; out of spheres, capsules and half-spaces, and of the thickness around
+/// meshes, along the normal.
 class WayOut {
 public:
   /// All must outlive it. Collective.
@@ -40,17 +43,39 @@ private:
     Vec3 direction;
   };
 
+  /// A place on the cloth.
+  struct Place {
+    std::array<Local, 3> vertices;
+    Vec3 weights; ///< of the vertices, with the sum 1
+    int body;     ///< whose surface is crossed near it
+  };
+  /// The places where the surface of a body and a triangle pierce one another.
+  struct Crossing {
+    Vec3 weights = Vec3::Zero(); ///< barycentric, summed
+    int count = 0;
+  };
+  using Edge = std::tuple<int, Local, Local>; ///< body, lower and higher number of the ends
+
   std::optional<Piercing> pierce(Local from, Local to, const Element& face) const;
   void shorten(const Element& a, const Element& b);
   void push(const Piercing& at, const Vec3& towards);
+  void note(const Element& cloth, int body, std::span<const Piercing> places);
+  std::vector<Place> places_within() const;
+  bool is_inside(const Vec3& x, int body, std::span<const Vec3> obstacles) const;
+  Vec3 to_surface(const Vec3& x, int body, std::span<const Vec3> obstacles) const;
   std::vector<Vec3> moves_along_curves();
-  void leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, std::vector<Vec3>& moves);
+  bool leave_solids(std::span<const Vec3> obstacles, std::vector<Vec3>& moves);
+  void leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, bool crosses,
+                    std::vector<Vec3>& moves);
 
   const Cloth& cloth_;
+  const Obstacles& obstacles_;
   const Thickness& thickness_;
   ElementSearch elements_;
   ContactSearch search_;
-  std::vector<char> has_faces_; ///< of bodies
+  std::vector<char> has_faces_;                 ///< of bodies
+  std::map<Edge, std::vector<double>> pierced_; ///< edges of the cloth: where surfaces of closed meshes are
+  std::map<std::pair<int, std::array<Local, 3>>, Crossing> crossed_; ///< the same of triangles
   std::vector<Push> pushes_;
   std::vector<int> owners_; ///< of the vertices they push
 };

@@ -11,7 +11,7 @@ namespace taut {
 
 namespace {
 
-constexpr int most_rounds = 200;
+constexpr int most_rounds = 100;
 constexpr double strain_left = 0.5; ///< of the limit, by a projection
 
 /// Keeps the lengths of edges where there is a limit for them.
