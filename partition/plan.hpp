@@ -40,6 +40,15 @@ public:
     for (std::size_t i = 0; i < receive_index_.size(); ++i) target[receive_index_[i]] = in[i];
   }
 
+  /// target[receive_index] += source[send_index].
+  template<class T>
+  void forward_add(std::span<const T> source, std::span<T> target) const {
+    begin_forward(source);
+    finish();
+    const T* in = reinterpret_cast<const T*>(in_.data());
+    for (std::size_t i = 0; i < receive_index_.size(); ++i) target[receive_index_[i]] += in[i];
+  }
+
   /// target[send_index] = source[receive_index]: the same pattern the other way.
   template<class T>
   void reverse(std::span<const T> source, std::span<T> target) const {

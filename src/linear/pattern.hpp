@@ -1,5 +1,6 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
+#include "src/linear/sparse_rows.hpp"
 
 namespace taut {
 
@@ -14,6 +15,7 @@ public:
   std::span<const Local> columns(Local row) const {
     return {columns_.data() + offsets_[row], std::size_t(offsets_[row + 1] - offsets_[row])};
   }
+  SparseRows sparse_rows() const { return {offsets_, columns_}; }
   std::int64_t offset(Local row) const { return offsets_[row]; }
   std::int64_t entries() const { return offsets_.back(); }
 

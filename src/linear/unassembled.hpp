@@ -1,5 +1,5 @@
 #pragma once
-#include "src/linear/axis_cholesky.hpp"
+#include "src/linear/axis_preconditioner.hpp"
 #include "src/linear/filtered_operator.hpp"
 #include "src/linear/petsc.hpp"
 
@@ -8,7 +8,7 @@
 namespace taut {
 
 /// The filtered velocity matrix as PETSc sees it when it is not assembled: it can be multiplied with, and it
-/// supports the preconditioners `axis` (AxisCholesky), `pbjacobi` and `jacobi`.
+/// supports the preconditioners `axis` (AxisPreconditioner), `pbjacobi` and `jacobi`.
 class UnassembledMatrix {
 public:
   /// Collective.
@@ -23,6 +23,7 @@ public:
 
   /// What PETSc's callbacks reach through the matrix.
   struct Parts {
+    const DistributedMesh& mesh;
     FilteredOperator filtered;
     const Pattern& pattern;
     std::vector<Mat3> diagonal_blocks; ///< made when a preconditioner asks for them

@@ -1,0 +1,80 @@
+#include "src/linear/spline_cells.hpp"
+
+#include <cmath>
+#include <unordered_map>
+
+namespace taut {
+
+namespace {
+
+constexpr int bits = 20; // of a key, for each axis; nodes further apart may share one, which does no harm
+constexpr Global mask = (Global(1) << bits) - 1;
+
+Global key_of(Global i, Global j, Global k) {
+  return (i & mask) << (2 * bits) | (j & mask) << bits | (k & mask);
+}
+
+} // namespace
+
+SplineCells::SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spacing)
+    : spacing_(spacing), places_(points.size()) {
+  std::array<double, 6> box; // -min, max
+  box.fill(-HUGE_VAL);
+  for (const Vec3& p : points)
+    for (int d = 0; d < 3; ++d) {
+      box[d] = std::max(box[d], -p[d]);
+      box[3 + d] = std::max(box[3 + d], p[d]);
+    }
+  max_in_place(comm, box);
+  for (int d = 0; d < 3; ++d) {
+    origin_[d] = -box[d];
+    count_[d] = box[3 + d] + box[d] < 0.5 * spacing ? 1 : 3;
+  }
+
+  std::unordered_map<Global, Local> cells;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::array<Global, 3> first{0, 0, 0};
+    for (int d = 0; d < 3; ++d) {
+      if (count_[d] == 1) continue;
+      const double s = (points[i][d] - origin_[d]) / spacing, whole = std::floor(s);
+      first[d] = Global(whole);
+      places_[i].at[d] = float(s - whole);
+    }
+    const auto [cell, is_new] = cells.try_emplace(key_of(first[0], first[1], first[2]), size());
+    if (is_new) first_.push_back(first);
+    places_[i].cell = cell->second;
+  }
+}
+
+std::vector<Global> SplineCells::node_keys(Local cell) const {
+  const auto& [i, j, k] = first_[cell];
+  std::vector<Global> keys;
+  for (int a = 0; a < count_[0]; ++a)
+    for (int b = 0; b < count_[1]; ++b)
+      for (int c = 0; c < count_[2]; ++c) keys.push_back(key_of(i + a, j + b, k + c));
+  return keys;
+}
+
+Vec3 SplineCells::node_point(Global key) const {
+  Vec3 point = origin_;
+  for (int d = 0; d < 3; ++d)
+    if (count_[d] > 1) point[d] += (double(key >> ((2 - d) * bits) & mask) - 0.5) * spacing_;
+  return point;
+}
+
+void SplineCells::weigh(Local point, Weights& weights) const {
+  std::array<std::array<double, 3>, 3> w;
+  for (int d = 0; d < 3; ++d) {
+    const double u = places_[point].at[d];
+    if (count_[d] == 1)
+      w[d] = {1, 0, 0};
+    else
+      w[d] = {0.5 * (1 - u) * (1 - u), 0.5 + u - u * u, 0.5 * u * u};
+  }
+  auto next = weights.begin();
+  for (int a = 0; a < count_[0]; ++a)
+    for (int b = 0; b < count_[1]; ++b)
+      for (int c = 0; c < count_[2]; ++c) *next++ = w[0][a] * w[1][b] * w[2][c];
+}
+
+} // namespace taut
