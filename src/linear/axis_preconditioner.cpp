@@ -42,8 +42,9 @@ void AxisPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freed
   }
 }
 
-/// Whether the diagonal outweighs inertia, which is what sums of rows are, so much that with grids a solve
-/// takes less time than without: by then that takes 30 iterations on one rank and more on several.
+/// Whether the diagonal outweighs inertia, which is what sums of rows are, so much that a solve with grids
+/// takes no longer than without: from there on that takes some thirty iterations on one rank, more on
+/// several.
 bool AxisPreconditioner::needs_grids() const {
   constexpr double much = 300;
   std::array<double, 2> sums{0, 0}; // of the diagonal, of all entries
