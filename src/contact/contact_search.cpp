@@ -20,7 +20,7 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
 
 /// Vertices against faces both ways, edges against edges, each by the element that represents it. An element
 /// without a face has edges only, a point is an edge of no length. Vertices of the cloth meet the edges and
-/// points of obstacles by themselves too: where these are round, vertices are enough to rest on them.
+/// points of obstacles by themselves too, for what constrains vertices.
 void ContactSearch::meet_features(const Element& a, const Element& b, double reach) {
   const std::int16_t body = std::max(a.body, b.body);
   if (b.is_triangle())

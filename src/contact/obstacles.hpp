@@ -25,7 +25,7 @@ public:
     std::string name;
     double radius;         ///< m around its vertices, segments or triangles; the body's thickness is in it
     double friction;       ///< Coulomb's coefficient against cloth
-    bool is_round = false; ///< made of points or segments, so that vertices of the cloth can rest on it
+    bool is_round = false; ///< made of points or segments: a sphere, a capsule
     Global rims = 0;       ///< edges of a mesh that have a triangle on one side only, as around holes
   };
 

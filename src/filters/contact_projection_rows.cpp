@@ -12,10 +12,8 @@ namespace taut {
 
 namespace {
 
-constexpr double gap_left = 0.1;    ///< by a program, of what a free vertex falls in a step
-constexpr double slip_left = 0.03;  ///< the same
-constexpr double face_share = 0.75; ///< of the thickness: what faces and edges keep of a round obstacle, on
-                                    ///< which vertices rest
+constexpr double gap_left = 0.1;   ///< by a program, of what a free vertex falls in a step
+constexpr double slip_left = 0.03; ///< the same
 
 } // namespace
 
@@ -84,15 +82,16 @@ void ContactProjection::make_rows() {
   for (std::size_t k = 0; k < normals; ++k) add_friction_rows(ContactRow(rows_[k]));
 }
 
+/// Of what is near a round obstacle, faces and edges. (Its vertices alone would be half the rows, but
+/// friction then chatters: the capstan's force comes out half as large again.)
 void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
+  if (pair.kind == PairKind::vertex_edge) return;
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
   const double gap = here.normal.dot(ahead) - pair.radius;
   const bool blocked = !blocked_.empty() && blocked_.contains(name_of(pair, search_.keys()));
-  const bool rests_by_vertices = pair.body >= 0 && obstacles_.body(pair.body).is_round;
-  const bool is_spanned = rests_by_vertices && pair.kind != PairKind::vertex_edge; // by vertices that rest
-  const double kept = (is_spanned ? face_share : 1.0) * thickness_.of(pair, search_.keys());
-  if (std::min(gap, here.gap) >= (is_spanned ? 1.0 : 2.0) * kept && !blocked) return;
+  const double thickness = thickness_.of(pair, search_.keys());
+  if (std::min(gap, here.gap) >= 2.0 * thickness && !blocked) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   if (pair.kind == PairKind::edge_edge && !inside && !blocked) return; // vertices against faces have it
@@ -100,7 +99,7 @@ void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return; // nothing here can be moved
   const ContactKey key = key_of(pair, here, search_.keys());
-  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, kept - gap, 0.0, HUGE_VAL,
+  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness - gap, 0.0, HUGE_VAL,
                    gap_left * fall_, 0.0, key, true});
   rows_.back().body = pair.body;
   rows_.back().friction = friction_of(pair, obstacles_, contact_);
