@@ -60,7 +60,8 @@ double weight_of(const Cloth& cloth, const Vec3& gravity) {
   return sum_over(cloth.mesh.comm, mass) * gravity.norm();
 }
 
-constexpr int most_releases = 4; ///< predictions that are made again in a step
+/// Predictions that are made again in a step; what solids still pull then is let go in the next step.
+constexpr int most_releases = 1;
 
 /// Seconds since the last call.
 class Stopwatch {
