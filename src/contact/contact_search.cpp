@@ -19,8 +19,7 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
 }
 
 /// Vertices against faces both ways, edges against edges, each by the element that represents it. An element
-/// without a face has edges only, a point is an edge of no length. Vertices of the cloth meet the edges and
-/// points of obstacles by themselves too, for what constrains vertices.
+/// without a face has edges only, a point is an edge of no length.
 void ContactSearch::meet_features(const Element& a, const Element& b, double reach) {
   const std::int16_t body = std::max(a.body, b.body);
   if (b.is_triangle())
@@ -39,11 +38,6 @@ void ContactSearch::meet_features(const Element& a, const Element& b, double rea
         if (b.represents_edge(l) || (b.corners == 1 && !a.is_triangle()))
           try_pair(PairKind::edge_edge, body, {a.vertices[k], a.edge_end(k), b.vertices[l], b.edge_end(l)},
                    reach);
-  if (body >= 0 && !b.is_triangle())
-    for (int k = 0; k < a.corners; ++k)
-      if (a.represents_vertex(k))
-        try_pair(PairKind::vertex_edge, body, {a.vertices[k], b.vertices[0], b.edge_end(0), b.vertices[0]},
-                 reach);
 }
 
 /// Keeps the pair if nothing shows that it stays apart: vertices in common, balls around its features, their

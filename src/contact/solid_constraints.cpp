@@ -13,6 +13,27 @@ constexpr double at_rest = 0.01; ///< of what friction can stop in a step: slip 
 constexpr double arrived =
     0.99; ///< of the thickness: one that was let go stands a rounding error away from it
 
+/// The vertices of the cloth that are near an obstacle if `pair` is, each with it: of what is near a round
+/// one, all; otherwise the one that meets a plane or a face.
+std::vector<Pair> vertices_near(const Pair& pair, bool is_round, const ContactSearch& search) {
+  const auto is_cloth = [&](Local place) { return place < search.own() || place >= search.home(); };
+  if (!is_round)
+    return pair.kind != PairKind::edge_edge && is_cloth(pair.vertices[0]) ? std::vector{pair}
+                                                                          : std::vector<Pair>{};
+  std::vector<Local> axis; // one or two vertices of the obstacle
+  for (const Local v : pair.vertices)
+    if (!is_cloth(v)) axis.push_back(v);
+  std::vector<Pair> found;
+  for (const Local v : pair.vertices)
+    if (is_cloth(v))
+      found.push_back({{v, axis.front(), axis.back(), axis.front()},
+                       PairKind::vertex_edge,
+                       pair.body,
+                       pair.radius,
+                       pair.normal});
+  return found;
+}
+
 } // namespace
 
 SolidConstraints::SolidConstraints(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
@@ -41,20 +62,23 @@ std::vector<SolidConstraints::Nearest> SolidConstraints::nearest(const State& st
   obstacles_.place(state.time + dt, bodies_to_);
   const std::vector<Mat3> spins = obstacles_.spins(state.time, state.time + dt);
   const auto& x = state.positions;
-  search_.find({x, x, bodies_from_, bodies_from_}, 2.0 * thickness_.largest(), 0.0);
+  const double reach = 2.0 * thickness_.largest();
+  search_.find({x, x, bodies_from_, bodies_from_}, reach, 0.0);
   search_.gather(x, bodies_from_, start_field_);
   search_.gather(x, bodies_to_, end_field_);
   std::vector<Nearest> result(search_.size());
-  for (const Pair& pair : search_.pairs()) {
-    const Local v = pair.vertices[0];
-    const bool is_cloth = v < search_.own() || v >= search_.home();
-    if (pair.body < 0 || !is_cloth || pair.kind == PairKind::edge_edge) continue;
-    const Approach here = approach(pair, at(pair, start_field_));
-    Vec3 moves = spins[pair.body] * here.normal; // of the surface below the vertex
-    for (int i = 1; i < 4; ++i)
-      moves -= here.weights[i] * (end_field_[pair.vertices[i]] - start_field_[pair.vertices[i]]);
-    result[v] = std::min(result[v], Nearest{here.gap, thickness_.of(pair, search_.keys()), here.normal,
-                                            moves / dt, friction_of(pair, obstacles_, contact_)});
+  for (const Pair& met : search_.pairs()) {
+    if (met.body < 0) continue;
+    for (const Pair& pair : vertices_near(met, obstacles_.body(met.body).is_round, search_)) {
+      const Approach here = approach(pair, at(pair, start_field_));
+      if (here.gap > reach) continue;
+      Vec3 moves = spins[pair.body] * here.normal; // of the surface below the vertex
+      for (int i = 1; i < 4; ++i)
+        moves -= here.weights[i] * (end_field_[pair.vertices[i]] - start_field_[pair.vertices[i]]);
+      Nearest& known = result[pair.vertices[0]];
+      known = std::min(known, Nearest{here.gap, thickness_.of(pair, search_.keys()), here.normal, moves / dt,
+                                      friction_of(pair, obstacles_, contact_)});
+    }
   }
   search_.plan().reverse_min<Nearest>(result, result);
   return result;

@@ -82,10 +82,9 @@ void ContactProjection::make_rows() {
   for (std::size_t k = 0; k < normals; ++k) add_friction_rows(ContactRow(rows_[k]));
 }
 
-/// Of what is near a round obstacle, faces and edges. (Its vertices alone would be half the rows, but
+/// Of what is near a round obstacle, faces and edges have rows. (Vertices alone would be half the rows, but
 /// friction then chatters: the capstan's force comes out half as large again.)
 void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
-  if (pair.kind == PairKind::vertex_edge) return;
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
   const double gap = here.normal.dot(ahead) - pair.radius;
