@@ -137,8 +137,8 @@ struct Crumpled {
 
 MeshSlab crumpled_mesh(MPI_Comm comm) { return make_grid(comm, {1, 1}, {8, 7}); }
 
-/// All pairs of a search, over all ranks, with what must be true of each.
-std::multiset<Name> everybodys_pairs(const Cloth& cloth, const ContactSearch& search, double reach) {
+/// All pairs of a search, over all ranks.
+std::multiset<Name> everybodys_pairs(const Cloth& cloth, const ContactSearch& search) {
   std::vector<Global> flat;
   for (const Pair& p : search.pairs()) {
     const Name name = name_of(p, search.keys());
@@ -154,21 +154,20 @@ std::multiset<Name> everybodys_pairs(const Cloth& cloth, const ContactSearch& se
   all = exchange(cloth.mesh.comm, copies, destinations).items;
   std::multiset<Name> names;
   for (std::size_t i = 0; i < all.size(); i += 5) names.insert(Name(all.begin() + i, all.begin() + i + 5));
-  (void)reach;
   return names;
 }
 
 TEST(ContactSearch, FindsTheSamePairsOnceOnAnyPartition) {
   Crumpled whole(serial(crumpled_mesh), 3);
   ContactSearch serial_search(whole.cloth, whole.obstacles);
-  serial_search.find(whole.motion(), 0.02, 0.001);
-  const auto expected = everybodys_pairs(whole.cloth, serial_search, 0.02);
+  serial_search.find(whole.motion(), 0.022);
+  const auto expected = everybodys_pairs(whole.cloth, serial_search);
   EXPECT_GT(expected.size(), 500u);
   on_odd_partitions(crumpled_mesh, [&](DistributedMesh mesh) {
     Crumpled part(std::move(mesh), 3);
     ContactSearch search(part.cloth, part.obstacles);
-    search.find(part.motion(), 0.02, 0.001);
-    EXPECT_EQ(everybodys_pairs(part.cloth, search, 0.02), expected);
+    search.find(part.motion(), 0.022);
+    EXPECT_EQ(everybodys_pairs(part.cloth, search), expected);
   });
 }
 
@@ -190,17 +189,10 @@ struct Features {
   }
 };
 
-TEST(ContactSearch, FindsWhatBruteForceFinds) {
-  Crumpled whole(serial(crumpled_mesh), 5);
-  const double reach = 0.02;
-  ContactSearch search(whole.cloth, whole.obstacles);
-  search.find(whole.motion(), reach, 0.0);
-  const auto found = everybodys_pairs(whole.cloth, search, reach);
-  std::vector<Vec3> from(56), to(56);
-  for (Local i = 0; i < 56; ++i) {
-    from[whole.cloth.mesh.vertices.original[i]] = whole.from[i];
-    to[whole.cloth.mesh.vertices.original[i]] = whole.to[i];
-  }
+/// Expects every pair of features of the cloth that comes within `reach` on the way to be among `found`;
+/// returns how many do. Positions of all vertices, in input order.
+int expect_what_comes_near(std::span<const Vec3> from, std::span<const Vec3> to, double reach,
+                           const std::multiset<Name>& found) {
   const auto comes_near = [&](const Pair& pair, const std::array<Global, 4>& v) {
     const Four x{from[v[0]], from[v[1]], from[v[2]], from[v[3]]}, y{to[v[0]], to[v[1]], to[v[2]], to[v[3]]};
     Four u;
@@ -217,7 +209,7 @@ TEST(ContactSearch, FindsWhatBruteForceFinds) {
     const Pair by_key{{0, 1, 2, 3}, pair.kind, -1, 0, Vec3::Zero()};
     EXPECT_EQ(found.count(name_of(by_key, v)), 1u);
   };
-  for (Global p = 0; p < 56; ++p)
+  for (Global p = 0; p < Global(from.size()); ++p)
     for (const auto& f : features.faces)
       if (std::find(f.begin(), f.end(), p) == f.end())
         expect(pair_of(PairKind::vertex_face), {p, f[0], f[1], f[2]});
@@ -225,7 +217,54 @@ TEST(ContactSearch, FindsWhatBruteForceFinds) {
     for (const auto& g : features.edges)
       if (e < g && e[0] != g[0] && e[0] != g[1] && e[1] != g[0] && e[1] != g[1])
         expect(pair_of(PairKind::edge_edge), {e[0], e[1], g[0], g[1]});
-  EXPECT_GT(expected, 200);
+  return expected;
+}
+
+/// What all ranks hold of their vertices, in input order.
+std::vector<Vec3> in_input_order(const Cloth& cloth, std::span<const Vec3> values) {
+  std::vector<Vec3> all(56, Vec3::Zero());
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) all[cloth.mesh.vertices.original[i]] = values[i];
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), 3 * 56, MPI_DOUBLE, MPI_SUM, cloth.mesh.comm);
+  return all;
+}
+
+TEST(ContactSearch, FindsWhatBruteForceFinds) {
+  Crumpled whole(serial(crumpled_mesh), 5);
+  const double reach = 0.02;
+  ContactSearch search(whole.cloth, whole.obstacles);
+  search.find(whole.motion(), reach);
+  EXPECT_GT(expect_what_comes_near(in_input_order(whole.cloth, whole.from),
+                                   in_input_order(whole.cloth, whole.to), reach,
+                                   everybodys_pairs(whole.cloth, search)),
+            200);
+}
+
+/// A target that strays from where the search took it to end; every other vertex does not.
+TEST(ContactSearch, WidensToWhatComesNearOnTheWayToWhereTheTargetStrays) {
+  constexpr double reach = 0.01, most = 0.03;
+  const auto astray = random_vectors(56, 0.5 * most, 11);
+  on_odd_partitions(crumpled_mesh, [&](DistributedMesh mesh) {
+    Crumpled part(std::move(mesh), 7);
+    const std::vector<double> slack(part.from.size(), most);
+    std::vector<double> strayed(part.from.size(), 0.0);
+    std::vector<Vec3> there = part.to;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      const Global v = part.cloth.mesh.vertices.original[i];
+      if (v % 2 == 0) continue;
+      there[i] += astray[v];
+      strayed[i] = astray[v].norm();
+    }
+    ContactSearch search(part.cloth, part.obstacles);
+    search.find({part.from, part.to, part.bodies, part.bodies, slack}, reach);
+    const auto before = everybodys_pairs(part.cloth, search);
+    EXPECT_TRUE(search.widen(strayed));
+    const auto found = everybodys_pairs(part.cloth, search);
+    EXPECT_GT(found.size(), before.size());
+    EXPECT_GT(expect_what_comes_near(in_input_order(part.cloth, part.from), in_input_order(part.cloth, there),
+                                     reach, found),
+              100);
+    EXPECT_FALSE(search.widen(strayed));
+  });
 }
 
 TEST(Intersections, AreCountedAlikeOnAnyPartition) {

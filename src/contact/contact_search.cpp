@@ -4,63 +4,130 @@
 
 namespace taut {
 
+namespace {
+
+/// m that planes across the direction between the middles of two features keep them apart; cheaper than their
+/// distance, and enough for most pairs.
+double separation(PairKind kind, const Four& x) {
+  const bool is_edges = kind == PairKind::edge_edge;
+  const Vec3 d = is_edges ? Vec3(0.5 * (x[0] + x[1] - x[2] - x[3])) : Vec3(x[0] - (x[1] + x[2] + x[3]) / 3.0);
+  const double a = d.dot(x[0]), b = d.dot(x[1]), c = d.dot(x[2]), e = d.dot(x[3]);
+  const double room = is_edges ? std::min(a, b) - std::max(c, e) : a - std::max({b, c, e});
+  return room > 0 ? room / d.norm() : 0.0;
+}
+
+struct Interval {
+  double low, high;
+};
+
+double apart(const Interval& a, const Interval& b) { return std::max(a.low - b.high, b.low - a.high); }
+
+/// Where an element lies along a direction.
+class Extent {
+public:
+  Extent(const Element& element, std::span<const Vec3> x, const Vec3& direction) {
+    for (int k = 0; k < 3; ++k) at_[k] = direction.dot(x[element.vertices[k < element.corners ? k : 0]]);
+  }
+  Interval of(int k) const { return {at_[k], at_[k]}; }
+  Interval of(int k, int l) const { return {std::min(at_[k], at_[l]), std::max(at_[k], at_[l])}; }
+  Interval all() const { return {std::min({at_[0], at_[1], at_[2]}), std::max({at_[0], at_[1], at_[2]})}; }
+
+private:
+  std::array<double, 3> at_;
+};
+
+} // namespace
+
 ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
     : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles), own_(cloth.mesh.vertices.owned),
       obstacle_count_(obstacles.vertices()) {}
 
-void ContactSearch::find(const Motion& motion, double reach, double slack) {
-  reach_ = reach + 2 * slack;
-  pairs_.clear();
-  elements_.find(motion, reach_);
-  elements_.for_each_pair(
-      [this](const Element& a, const Element& b, double far) { meet_features(a, b, far); });
-  meet_planes();
+void ContactSearch::find(const Motion& motion, double reach) {
+  found_.clear();
+  elements_.find(motion, reach);
+  spare_.clear();
+  for (const BoxPair& pair : elements_.pairs()) spare_.push_back(meet(pair, -HUGE_VAL, 0.0));
+  meet_planes(motion, reach);
   place_in_fields();
 }
 
-/// Vertices against faces both ways, edges against edges, each by the element that represents it. An element
-/// without a face has edges only, a point is an edge of no length.
-void ContactSearch::meet_features(const Element& a, const Element& b, double reach) {
-  const std::int16_t body = std::max(a.body, b.body);
-  if (b.is_triangle())
-    for (int k = 0; k < a.corners; ++k)
-      if (a.represents_vertex(k))
-        try_pair(PairKind::vertex_face, body, {a.vertices[k], b.vertices[0], b.vertices[1], b.vertices[2]},
-                 reach);
-  if (a.is_triangle())
-    for (int k = 0; k < b.corners; ++k)
-      if (b.represents_vertex(k))
-        try_pair(PairKind::vertex_face, body, {b.vertices[k], a.vertices[0], a.vertices[1], a.vertices[2]},
-                 reach);
-  for (int k = 0; k < a.corners; ++k)
-    if (a.represents_edge(k) || (a.corners == 1 && !b.is_triangle()))
-      for (int l = 0; l < b.corners; ++l)
-        if (b.represents_edge(l) || (b.corners == 1 && !a.is_triangle()))
-          try_pair(PairKind::edge_edge, body, {a.vertices[k], a.edge_end(k), b.vertices[l], b.edge_end(l)},
-                   reach);
-}
-
-/// Keeps the pair if nothing shows that it stays apart: vertices in common, balls around its features, their
-/// distance, the motion along the direction of that.
-void ContactSearch::try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& v, double reach) {
-  const auto vertices = elements_.vertices();
-  const bool is_edges = kind == PairKind::edge_edge;
-  for (int i = 0; i < (is_edges ? 2 : 1); ++i)
-    for (int k = is_edges ? 2 : 1; k < 4; ++k)
-      if (vertices[v[i]].key == vertices[v[k]].key) return;
-  const Pair pair{v, kind, body, body >= 0 ? obstacles_.body(body).radius : 0.0, Vec3::Zero()};
-  const Four x = at(pair, elements_.positions());
-  if (is_edges) {
-    const double far = reach + 0.5 * ((x[1] - x[0]).norm() + (x[3] - x[2]).norm());
-    if (0.25 * (x[0] + x[1] - x[2] - x[3]).squaredNorm() > far * far) return;
+bool ContactSearch::widen(std::span<const double> strayed) {
+  const MPI_Comm comm = cloth_.mesh.comm;
+  double farthest = 0;
+  for (Local i = 0; i < own_; ++i) farthest = std::max(farthest, strayed[i]);
+  std::vector<double> of_element;
+  elements_.largest_of_elements(strayed, max_over(comm, farthest), of_element);
+  const std::size_t before = found_.size();
+  const auto pairs = elements_.pairs();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const double together = of_element[pairs[k].first] + of_element[pairs[k].second];
+    if (spare_[k] <= together) spare_[k] = meet(pairs[k], spare_[k], together);
   }
-  const Approach here = approach(pair, x);
-  if (here.gap + pair.radius > reach) return;
-  const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
-  if (here.gap - std::max(0.0, approaching) <= reach_) pairs_.push_back(pair);
+  const bool more = any_of(comm, found_.size() > before);
+  if (more) place_in_fields();
+  return more;
 }
 
-void ContactSearch::meet_planes() {
+/// Keeps the pairs of features of two elements that `from` to `to` (m) more motion towards each other than
+/// the search knows of brings within reach; returns how much it takes to bring another one there. Planes
+/// across the direction between the elements tell most features apart, those across the direction between the
+/// features most of the others.
+double ContactSearch::meet(const BoxPair& elements, double from, double to) {
+  const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
+  const auto x = elements_.positions();
+  const ElementSearch::Range range = elements_.range(elements);
+  const Vec3 across = elements_.direction(elements);
+  const Extent along_a(a, x, across), along_b(b, x, across);
+  if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > to) return spare;
+  const std::int16_t body = std::max(a.body, b.body);
+  const double radius = body >= 0 ? obstacles_.body(body).radius : 0.0;
+  double least = HUGE_VAL;
+  const auto try_pair = [&](PairKind kind, const std::array<Local, 4>& vertices, double apart_across) {
+    double spare = apart_across - range.far;
+    if (spare <= to) {
+      const Pair pair{vertices, kind, body, radius, Vec3::Zero()};
+      const Four y = at(pair, x);
+      spare = separation(kind, y) - range.far;
+      if (spare <= to) {
+        const Approach here = approach(pair, y);
+        const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
+        spare = std::max(here.gap + radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
+        if (spare >= from && spare <= to) found_.push_back(pair);
+      }
+    }
+    if (spare > to) least = std::min(least, spare);
+  };
+
+  // The pairs of features without a vertex in common: vertices against faces both ways, edges against edges,
+  // each by the element that represents it. An element without a face has edges only, a point is an edge of
+  // no length.
+  const auto vertices = elements_.vertices();
+  bool same[3][3] = {}; // whether vertex k of a is vertex l of b
+  for (int k = 0; k < a.corners; ++k)
+    for (int l = 0; l < b.corners; ++l)
+      same[k][l] = vertices[a.vertices[k]].key == vertices[b.vertices[l]].key;
+  const auto &v = a.vertices, &w = b.vertices;
+  for (int k = 0; b.is_triangle() && k < a.corners; ++k)
+    if (a.represents_vertex(k) && !same[k][0] && !same[k][1] && !same[k][2])
+      try_pair(PairKind::vertex_face, {v[k], w[0], w[1], w[2]}, apart(along_a.of(k), along_b.all()));
+  for (int l = 0; a.is_triangle() && l < b.corners; ++l)
+    if (b.represents_vertex(l) && !same[0][l] && !same[1][l] && !same[2][l])
+      try_pair(PairKind::vertex_face, {w[l], v[0], v[1], v[2]}, apart(along_b.of(l), along_a.all()));
+  for (int k = 0; k < a.corners; ++k) {
+    if (!a.represents_edge(k) && (a.corners > 1 || b.is_triangle())) continue;
+    const int k1 = a.next(k);
+    for (int l = 0; l < b.corners; ++l) {
+      if (!b.represents_edge(l) && (b.corners > 1 || a.is_triangle())) continue;
+      const int l1 = b.next(l);
+      if (!same[k][l] && !same[k][l1] && !same[k1][l] && !same[k1][l1])
+        try_pair(PairKind::edge_edge, {v[k], v[k1], w[l], w[l1]},
+                 apart(along_a.of(k, k1), along_b.of(l, l1)));
+    }
+  }
+  return least;
+}
+
+void ContactSearch::meet_planes(const Motion& motion, double reach) {
   const Local cloth = cloth_.mesh.vertices.size();
   for (const Obstacles::Plane& plane : obstacles_.planes()) {
     const Local point = cloth + plane.point;
@@ -73,7 +140,8 @@ void ContactSearch::meet_planes() {
       pair.vertices[0] = i;
       const double gap = approach(pair, at(pair, elements_.positions())).gap;
       const double approaching = closing(pair, at(pair, elements_.displacements()), plane.normal);
-      if (gap - std::max(0.0, approaching) <= reach_) pairs_.push_back(pair);
+      const double near = reach + (motion.cloth_slack.empty() ? 0.0 : motion.cloth_slack[i]);
+      if (gap - std::max(0.0, approaching) <= near) found_.push_back(pair);
     }
   }
 }
@@ -87,7 +155,7 @@ void ContactSearch::place_in_fields() {
     return std::pair(a.owner, a.place) < std::pair(b.owner, b.place);
   };
   std::vector<SurfaceVertex> ghosts;
-  for (const Pair& p : pairs_)
+  for (const Pair& p : found_)
     for (const Local v : p.vertices)
       if (vertices[v].owner != me) ghosts.push_back(vertices[v]);
   std::sort(ghosts.begin(), ghosts.end(), before);
@@ -96,6 +164,7 @@ void ContactSearch::place_in_fields() {
                              return a.owner == b.owner && a.place == b.place;
                            }),
                ghosts.end());
+  pairs_ = found_;
   for (Pair& p : pairs_)
     for (Local& v : p.vertices) {
       const SurfaceVertex& vertex = vertices[v];

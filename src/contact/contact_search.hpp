@@ -15,8 +15,14 @@ public:
   ContactSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
-  /// lines, from where they are to anywhere within `slack` (m) of where the motion ends. Collective.
-  void find(const Motion& motion, double reach, double slack);
+  /// lines from where they are to where the motion ends. Its slack tells how far from there they may be in
+  /// `widen`; planes are looked for within all of it. Collective.
+  void find(const Motion& motion, double reach);
+
+  /// Adds the pairs that can come within reach on the way to anywhere within `strayed` (m, of local cloth
+  /// vertices, ghosts current, at most the slack of the motion) of where the motion ends. True if that are
+  /// any, on any rank; then all pairs have new places. Collective.
+  bool widen(std::span<const double> strayed);
 
   std::span<const Pair> pairs() const { return pairs_; }
 
@@ -44,17 +50,17 @@ public:
   void take_least(std::vector<double>& field) const { plan_.reverse_min<double>(field, field); }
 
 private:
-  void meet_features(const Element& a, const Element& b, double reach);
-  void try_pair(PairKind kind, std::int16_t body, const std::array<Local, 4>& vertices, double reach);
-  void meet_planes();
+  double meet(const BoxPair& elements, double from, double to);
+  void meet_planes(const Motion& motion, double reach);
   void place_in_fields();
 
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   ElementSearch elements_;
   Local own_, obstacle_count_;
-  double reach_ = 0;
-  std::vector<Pair> pairs_;
+  std::vector<double> spare_; ///< m, for each pair of elements, of its features that are not in `found_`
+  std::vector<Pair> found_;   ///< their vertices are places in the fields of `elements_`
+  std::vector<Pair> pairs_;   ///< the same as places in contact fields
   std::vector<Global> keys_;
   Plan plan_;
 };

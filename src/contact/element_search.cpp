@@ -39,23 +39,40 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     known_.push_back({mesh.owns_vertex(i) ? me : mesh.vertices.ghost_owners[i - own], place[i],
                       mesh.vertices.original[i]});
   for (Local k = 0; k < obstacles.vertices(); ++k) known_.push_back({me, own + k, mesh.vertices.total + k});
-  own_.elements = cloth_elements(mesh);
+  elements_ = cloth_elements(mesh);
+  own_ = Local(elements_.size());
   for (Element e : obstacles.elements()) {
     for (int k = 0; k < e.corners; ++k) e.vertices[k] += mesh.vertices.size();
-    bodies_.elements.push_back(e);
+    elements_.push_back(e);
   }
+  known_elements_ = Local(elements_.size());
 }
 
 void ElementSearch::find(const Motion& motion, double reach) {
   reach_ = reach;
   take_positions(motion);
-  bound(own_);
-  own_pairs_ = own_.tree.pairs();
-  bound(bodies_);
-  body_pairs_ = own_.tree.pairs_with(bodies_.tree);
+  elements_.resize(known_elements_);
+  boxes_.clear();
+  balls_.clear();
+  pairs_.clear();
+  const BoxTree own = bound(0, own_), bodies = bound(own_, known_elements_);
+  append_pairs(own.pairs(), 0);
+  append_pairs(own.pairs_with(bodies), own_);
   receive_elements();
-  bound(received_);
-  received_pairs_ = own_.tree.pairs_with(received_.tree);
+  append_pairs(own.pairs_with(bound(known_elements_, Local(elements_.size()))), known_elements_);
+}
+
+void ElementSearch::append_pairs(std::span<const BoxPair> found, Local first) {
+  for (const auto& [i, j] : found) pairs_.emplace_back(i, first + j);
+}
+
+void ElementSearch::largest_of_elements(std::span<const double> cloth, double elsewhere,
+                                        std::vector<double>& largest) const {
+  largest.assign(elements_.size(), 0.0);
+  for (Local i = 0; i < own_; ++i)
+    for (int k = 0; k < elements_[i].corners; ++k)
+      largest[i] = std::max(largest[i], cloth[elements_[i].vertices[k]]);
+  std::fill(largest.begin() + known_elements_, largest.end(), elsewhere);
 }
 
 /// Positions and displacements of the known vertices. What all have in common does not bring anything
@@ -72,35 +89,38 @@ void ElementSearch::take_positions(const Motion& m) {
   sum_in_place(cloth_.mesh.comm, sum);
   for (std::size_t i = 0; i < m.obstacles_from.size(); ++i)
     u_.emplace_back(m.obstacles_to[i] - m.obstacles_from[i]);
+  slack_.assign(m.cloth_slack.begin(), m.cloth_slack.end());
+  slack_.resize(x_.size(), 0.0);
   const Vec3 mean = Vec3(sum[0], sum[1], sum[2]) / double(cloth_.mesh.vertices.total);
   for (Vec3& u : u_) u -= mean;
 }
 
-void ElementSearch::bound(Group& group) const {
-  group.boxes.assign(group.elements.size(), Box{});
-  group.balls.assign(group.elements.size(), Ball{});
-  for (std::size_t i = 0; i < group.elements.size(); ++i) {
-    const Element& e = group.elements[i];
-    const double radius = 0.5 * reach_ + (e.body < 0 ? 0.0 : obstacles_.body(e.body).radius);
+/// Boxes and balls around the elements from `first` to `last`, and a tree of the boxes.
+BoxTree ElementSearch::bound(Local first, Local last) {
+  for (Local i = first; i < last; ++i) {
+    const Element& e = elements_[i];
+    balls_.push_back(ball_around(e));
+    Box& box = boxes_.emplace_back();
     for (int k = 0; k < e.corners; ++k) {
-      group.boxes[i].include(x_[e.vertices[k]], radius);
-      group.boxes[i].include(x_[e.vertices[k]] + u_[e.vertices[k]], radius);
+      const Local v = e.vertices[k];
+      const double radius = 0.5 * reach_ + slack_[v] + balls_.back().thickness;
+      box.include(x_[v], radius);
+      box.include(x_[v] + u_[v], radius);
     }
-    group.balls[i] = ball_around(e);
   }
-  group.tree.build(group.boxes);
+  BoxTree tree;
+  tree.build({boxes_.begin() + first, boxes_.begin() + last});
+  return tree;
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
-  Ball ball{Vec3::Zero(), Vec3::Zero(), 0, 0, e.body < 0 ? 0.0 : obstacles_.body(e.body).radius};
+  Ball ball{Vec3::Zero(), Vec3::Zero(), 0, e.body < 0 ? 0.0 : obstacles_.body(e.body).radius};
   for (int k = 0; k < e.corners; ++k) {
     ball.centre += x_[e.vertices[k]] / e.corners;
     ball.motion += u_[e.vertices[k]] / e.corners;
   }
-  for (int k = 0; k < e.corners; ++k) {
-    ball.radius = std::max(ball.radius, (x_[e.vertices[k]] - ball.centre).norm());
+  for (int k = 0; k < e.corners; ++k)
     ball.spread = std::max(ball.spread, (u_[e.vertices[k]] - ball.motion).norm());
-  }
   return ball;
 }
 
@@ -108,9 +128,8 @@ ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
 void ElementSearch::receive_elements() {
   const MPI_Comm comm = cloth_.mesh.comm;
   const int ranks = size_of(comm), me = rank_of(comm);
-  received_.elements.clear();
   if (ranks == 1) return;
-  const std::vector<Box> mine = blocks_of(own_.boxes);
+  const std::vector<Box> mine = blocks_of(std::span(boxes_).first(own_));
   std::vector<Box> all(std::size_t(ranks) * blocks_per_rank);
   constexpr int bytes = blocks_per_rank * sizeof(Box);
   MPI_Allgather(mine.data(), bytes, MPI_BYTE, all.data(), bytes, MPI_BYTE, comm);
@@ -129,25 +148,27 @@ void ElementSearch::receive_elements() {
       vertices_.push_back(s.vertices[k]);
       x_.push_back(s.x[k]);
       u_.push_back(s.u[k]);
+      slack_.push_back(s.slack[k]);
     }
-    received_.elements.push_back(element);
+    elements_.push_back(element);
   }
 }
 
 void ElementSearch::append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const {
   const Box around_blocks = around(blocks);
-  for (std::size_t i = 0; i < own_.elements.size(); ++i) {
-    const Box& box = own_.boxes[i];
+  for (Local i = 0; i < own_; ++i) {
+    const Box& box = boxes_[i];
     if (!around_blocks.overlaps(box) ||
         std::none_of(blocks.begin(), blocks.end(), [&](const Box& b) { return b.overlaps(box); }))
       continue;
     SentElement& s = found.emplace_back();
-    s.element = own_.elements[i];
+    s.element = elements_[i];
     for (int k = 0; k < s.element.corners; ++k) {
       const Local v = s.element.vertices[k];
       s.vertices[k] = vertices_[v];
       s.x[k] = x_[v];
       s.u[k] = u_[v];
+      s.slack[k] = slack_[v];
     }
   }
 }

@@ -9,6 +9,8 @@ namespace taut {
 struct Motion {
   std::span<const Vec3> cloth_from, cloth_to;         ///< m, of local vertices, ghosts current
   std::span<const Vec3> obstacles_from, obstacles_to; ///< m
+  /// m, how far from `cloth_to` each vertex may come to be; if empty, nowhere else.
+  std::span<const double> cloth_slack = {};
 };
 
 /// A vertex of cloth or of an obstacle as all ranks know it.
@@ -27,23 +29,35 @@ public:
   ElementSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
-  /// straight lines, by boxes and balls around them: a superset. Collective.
+  /// straight lines, to where the motion ends or anywhere within its slack of that, by boxes around them: a
+  /// superset. Collective.
   void find(const Motion& motion, double reach);
 
-  /// Calls visit(a, b, reach) for every pair found; vertices of the elements are places in the fields below.
-  /// `reach` (m, radii in it) is how far apart they may be now to come near enough.
-  template<class Visit>
-  void for_each_pair(Visit&& visit) const {
-    for (const auto& [group, pairs] :
-         {std::pair{&own_, &own_pairs_}, {&bodies_, &body_pairs_}, {&received_, &received_pairs_}})
-      for (const auto& [i, j] : *pairs) {
-        const Ball &a = own_.balls[i], &b = group->balls[j];
-        const double reach = reach_ + a.spread + b.spread + (a.motion - b.motion).norm() + b.thickness;
-        const double apart = a.radius + b.radius + reach;
-        if ((a.centre - b.centre).squaredNorm() <= apart * apart)
-          visit(own_.elements[i], group->elements[j], reach);
-      }
+  /// The pairs of elements; the first is cloth of this rank.
+  std::span<const BoxPair> pairs() const { return pairs_; }
+
+  /// Its vertices are places in the fields below.
+  const Element& element(Local k) const { return elements_[k]; }
+
+  /// How far apart the features of two elements may be and still come down to `reach`, the slack aside.
+  struct Range {
+    double near; ///< m, where the motion ends
+    double far;  ///< m, now; radii of obstacles in it
+  };
+  Range range(const BoxPair& pair) const {
+    const Ball &a = balls_[pair.first], &b = balls_[pair.second];
+    return {reach_, reach_ + a.spread + b.spread + (a.motion - b.motion).norm() + b.thickness};
   }
+
+  /// Of length 1, between the middles of two elements.
+  Vec3 direction(const BoxPair& pair) const {
+    return (balls_[pair.first].centre - balls_[pair.second].centre).normalized();
+  }
+
+  /// m, for every element, the largest of its vertices' values (m, of local cloth vertices); of obstacles 0,
+  /// of what came from other ranks `elsewhere`.
+  void largest_of_elements(std::span<const double> cloth, double elsewhere,
+                           std::vector<double>& largest) const;
 
   /// Of local cloth vertices, then of obstacles, then of what came from other ranks.
   std::span<const SurfaceVertex> vertices() const { return vertices_; }
@@ -57,35 +71,33 @@ private:
     Element element;
     std::array<SurfaceVertex, 3> vertices;
     std::array<Vec3, 3> x, u;
+    std::array<double, 3> slack;
   };
   struct Ball {
     Vec3 centre, motion; ///< means over the vertices, m
-    double radius;       ///< m
     double spread;       ///< m that the vertices' motions differ from the mean at most
     double thickness;    ///< m, the radius of an obstacle
   };
-  /// The elements of one source; their vertices are places in `vertices_`.
-  struct Group {
-    std::vector<Element> elements;
-    std::vector<Box> boxes;
-    std::vector<Ball> balls;
-    BoxTree tree;
-  };
 
   void take_positions(const Motion& motion);
-  void bound(Group& group) const;
+  BoxTree bound(Local first, Local last);
   Ball ball_around(const Element& element) const;
   void receive_elements();
   void append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const;
+  void append_pairs(std::span<const BoxPair> found, Local first);
 
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   std::vector<SurfaceVertex> known_; ///< the part of `vertices_` that stays
   std::vector<SurfaceVertex> vertices_;
   std::vector<Vec3> x_, u_;
+  std::vector<double> slack_;
   double reach_ = 0;
-  Group own_, bodies_, received_;
-  std::vector<BoxPair> own_pairs_, body_pairs_, received_pairs_; ///< the first of each is one of `own_`
+  std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
+  Local own_, known_elements_;    ///< so many are of this rank's cloth, of that and the obstacles
+  std::vector<Box> boxes_;
+  std::vector<Ball> balls_;
+  std::vector<BoxPair> pairs_;
 };
 
 } // namespace taut

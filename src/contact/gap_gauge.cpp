@@ -8,7 +8,7 @@ GapGauge::GapGauge(const Cloth& cloth, const Obstacles& obstacles, double reach)
     : search_(cloth, obstacles), reach_(reach) {}
 
 std::vector<double> GapGauge::measure(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
-  search_.find({cloth, cloth, obstacles, obstacles}, reach_, 0.0);
+  search_.find({cloth, cloth, obstacles, obstacles}, reach_);
   search_.gather(cloth, obstacles, field_);
   std::vector<double> gaps(search_.size(), reach_);
   for (const Pair& pair : search_.pairs()) {

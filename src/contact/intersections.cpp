@@ -21,7 +21,7 @@ Intersections::Intersections(const Cloth& cloth, const Obstacles& obstacles)
 std::vector<Intersection> Intersections::find(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
   found_.clear();
   search_.find({cloth, cloth, obstacles, obstacles}, 0.0);
-  search_.for_each_pair([this](const Element& a, const Element& b, double) { compare(a, b); });
+  for (const auto& [a, b] : search_.pairs()) compare(search_.element(a), search_.element(b));
   look_behind_planes();
   return found_;
 }

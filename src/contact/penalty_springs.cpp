@@ -44,7 +44,7 @@ void PenaltySprings::find_pairs(const State& state, double dt) const {
   spins_ = obstacles_.spins(state.time, state.time + dt);
   obstacles_.place(state.time, bodies_from_);
   obstacles_.place(state.time + dt, bodies_to_);
-  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_.largest(), 0.0);
+  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_.largest());
   search_.gather(state.positions, bodies_from_, start_field_);
   search_.gather(target_, bodies_to_, displacement_);
   for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];

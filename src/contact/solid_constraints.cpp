@@ -63,7 +63,7 @@ std::vector<SolidConstraints::Nearest> SolidConstraints::nearest(const State& st
   const std::vector<Mat3> spins = obstacles_.spins(state.time, state.time + dt);
   const auto& x = state.positions;
   const double reach = 2.0 * thickness_.largest();
-  search_.find({x, x, bodies_from_, bodies_from_}, reach, 0.0);
+  search_.find({x, x, bodies_from_, bodies_from_}, reach);
   search_.gather(x, bodies_from_, start_field_);
   search_.gather(x, bodies_to_, end_field_);
   std::vector<Nearest> result(search_.size());

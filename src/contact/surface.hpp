@@ -15,7 +15,8 @@ struct Element {
   bool represents_vertex(int k) const { return represents >> k & 1; }
   bool represents_edge(int k) const { return represents >> (3 + k) & 1; }
   bool is_triangle() const { return corners == 3; }
-  Local edge_end(int k) const { return vertices[k + 1 < corners ? k + 1 : 0]; }
+  int next(int k) const { return k + 1 < corners ? k + 1 : 0; }
+  Local edge_end(int k) const { return vertices[next(k)]; }
 };
 
 /// The elements of the cells that this rank owns, vertices in local numbers: quads are cut along the diagonal

@@ -38,7 +38,7 @@ std::vector<Vec3> WayOut::find(std::span<const Vec3> cloth, std::span<const Vec3
   pierced_.clear();
   crossed_.clear();
   elements_.find({cloth, cloth, obstacles, obstacles}, 0.0);
-  elements_.for_each_pair([this](const Element& a, const Element& b, double) { shorten(a, b); });
+  for (const auto& [a, b] : elements_.pairs()) shorten(elements_.element(a), elements_.element(b));
   std::vector<Vec3> moves = moves_along_curves();
   const bool crosses = any_of(cloth_.mesh.comm, !pushes_.empty());
   leave_bodies(cloth, obstacles, leave_solids(obstacles, moves) || crosses, moves);
@@ -214,7 +214,7 @@ std::vector<Vec3> WayOut::moves_along_curves() {
 /// Where a surface crosses that of a body, nothing tells its sides apart: first the curves have to go.
 void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, bool crosses,
                           std::vector<Vec3>& moves) {
-  search_.find({cloth, cloth, obstacles, obstacles}, 0.0, 0.0);
+  search_.find({cloth, cloth, obstacles, obstacles}, 0.0);
   std::vector<Vec3> field;
   search_.gather(cloth, obstacles, field);
   std::vector<Vec3> sums(search_.size(), Vec3::Zero()), counts = sums; // the first component counts

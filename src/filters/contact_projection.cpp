@@ -15,7 +15,7 @@ namespace {
 
 constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double slack = 1.0;       ///< of the thickness: how far a target may leave a search
+constexpr double least_slack = 1.0; ///< of the thickness: how far a target may leave a search
 constexpr int patience = 6;         ///< iterations until stuck vertices are let go
 
 SolverOptions solver_options(const config::Inextensibility& options) {
@@ -36,6 +36,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
+      slack_(cloth, least_slack * thickness_.largest()),
       compliance_(
           limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
@@ -69,7 +70,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     if (!report.failure.empty()) break;
     double alpha = 1;
     timed([&] {
-      if (target_left_search()) search();
+      follow();
       alpha = step_length();
     });
     advance_safe(alpha);
@@ -110,6 +111,7 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   pressed_.clear();
   pressed_before_.clear();
   blocked_.clear();
+  slack_.begin_step();
   start_.cloth = start.positions;
   obstacles_.place(start.time, start_.obstacles);
   safe_ = start_;
@@ -130,9 +132,21 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
 }
 
 void ContactProjection::search() {
-  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_.largest(),
-               slack * thickness_.largest());
-  searched_ = target_;
+  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles, slack_.values()},
+               2.0 * thickness_.largest());
+  slack_.note_search(target_.cloth);
+  take_pairs();
+}
+
+/// Looks at what the target has come near since it was searched around.
+void ContactProjection::follow() {
+  if (!slack_.holds(target_.cloth))
+    search();
+  else if (search_.widen(slack_.strayed()))
+    take_pairs();
+}
+
+void ContactProjection::take_pairs() {
   search_.gather(start_.cloth, start_.obstacles, start_field_);
   mobility_.assign(search_.size(), Vec3::Zero());
   for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
@@ -195,13 +209,6 @@ void ContactProjection::project(double strain, FilterReport& report) {
   }
   for (std::size_t e = 0; e < mu_.size(); ++e) mu_[e] += change_[e];
   for (std::size_t e = 0; e < pulled_.size(); ++e) pulled_[e] += change_[e];
-}
-
-bool ContactProjection::target_left_search() const {
-  double farthest = 0;
-  for (Local i = 0; i < search_.own(); ++i)
-    farthest = std::max(farthest, (target_.cloth[i] - searched_.cloth[i]).squaredNorm());
-  return std::sqrt(max_over(comm_, farthest)) > slack * thickness_.largest();
 }
 
 /// The fraction of the way to the target on which no pair comes too near.

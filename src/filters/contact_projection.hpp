@@ -1,4 +1,5 @@
 #pragma once
+#include "src/contact/search_slack.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/contact_qp.hpp"
 #include "src/filters/velocity_filter.hpp"
@@ -46,6 +47,8 @@ private:
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   void search();
+  void follow();
+  void take_pairs();
   void look();
   double strain_at_target(const Freedom& freedom);
   Pressed before(const ContactKey& key) const;
@@ -57,7 +60,6 @@ private:
   void add_friction_rows(const ContactRow& normal);
   void project(double strain, FilterReport& report);
   void note_multipliers();
-  bool target_left_search() const;
   double distance_behind() const;
   double step_length();
   void advance_safe(double alpha);
@@ -74,6 +76,7 @@ private:
   ProjectionSystem system_;
   ContactQp qp_;
   Thickness thickness_;
+  SearchSlack slack_;
   double compliance_, gravity_;
 
   // of the step in hand
@@ -84,7 +87,6 @@ private:
   Global contacts_ = 0; ///< normal rows over all ranks
   Scene start_, safe_, target_;
   std::vector<Mat3> spins_; ///< m, of the obstacles over the step
-  Scene searched_;          ///< the target of the last search
   std::vector<Vec3> start_field_, safe_field_, target_field_;
   std::vector<Vec3> mobility_;       ///< 1/kg, in the first component, as a contact field
   std::vector<Approach> approaches_; ///< of the pairs, at `safe_`

@@ -19,14 +19,15 @@ constexpr int single_rounds = 10;  ///< of impulses on single pairs, before they
 constexpr int most_products = 200; ///< in the program of a zone
 constexpr double program_left = 1e-3; ///< of the thickness; pairs part by twice that, so that none closes
 constexpr double nearest = 0.2;       ///< of their gap: how near two features may come in a step
-constexpr double search_slack = 1.0;  ///< of the thickness: how far a target may leave a search
+constexpr double least_slack = 1.0;   ///< of the thickness: how far a target may leave a search
 
 } // namespace
 
 ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
     : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
       contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
-      is_last_(config::contact_is_last(input)), inverse_mass_(cloth.mesh.vertices.size()) {}
+      slack_(cloth, least_slack * thickness_.largest()), is_last_(config::contact_is_last(input)),
+      inverse_mass_(cloth.mesh.vertices.size()) {}
 
 FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
                                    Candidate& candidate) {
@@ -39,10 +40,7 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {
-    if (left_search()) {
-      search();
-      zone.clear(); // its numbers were those of the search before
-    }
+    if (follow()) zone.clear(); // its numbers were those of the pairs before
     const std::vector<Impact> meeting = meetings(zone);
     const Global count = sum_over(comm, Global(meeting.size()));
     if (count == 0) break;
@@ -75,13 +73,28 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time, bodies_from_);
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
+  slack_.begin_step();
   search();
 }
 
 void ImpulseContact::search() {
-  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_.largest(),
-               search_slack * thickness_.largest());
-  searched_ = target_;
+  search_.find({start_, target_, bodies_from_, bodies_to_, slack_.values()}, thickness_.largest());
+  slack_.note_search(target_);
+  take_pairs();
+}
+
+/// Looks at what the target has come near since it was searched around. True if the pairs are others.
+bool ImpulseContact::follow() {
+  if (!slack_.holds(target_)) {
+    search();
+    return true;
+  }
+  const bool more = search_.widen(slack_.strayed());
+  if (more) take_pairs();
+  return more;
+}
+
+void ImpulseContact::take_pairs() {
   search_.gather(start_, bodies_from_, start_field_);
   mobility_.assign(search_.size(), Vec3::Zero());
   for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
@@ -92,13 +105,6 @@ void ImpulseContact::search() {
 void ImpulseContact::take_displacements() {
   search_.gather(target_, bodies_to_, displacement_);
   for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
-}
-
-bool ImpulseContact::left_search() const {
-  double farthest = 0;
-  for (Local i = 0; i < search_.own(); ++i)
-    farthest = std::max(farthest, (target_[i] - searched_[i]).squaredNorm());
-  return std::sqrt(max_over(cloth_.mesh.comm, farthest)) > search_slack * thickness_.largest();
 }
 
 /// Nothing, where nothing can be moved.

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/contact/contact_search.hpp"
+#include "src/contact/search_slack.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/velocity_filter.hpp"
 
@@ -39,6 +40,8 @@ private:
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   void search();
+  bool follow();
+  void take_pairs();
   void take_displacements();
   std::optional<Impact> impact(const Pair& pair, const Approach& approach, double wanted) const;
   std::vector<Impact> too_near() const;
@@ -47,20 +50,20 @@ private:
   void push_apart(std::span<const Impact> impacts);
   void part_all(const Zone& zone);
   void spread(std::span<const Impact> impacts, std::span<const double> sizes);
-  bool left_search() const;
 
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   ContactSearch search_;
   config::Contact contact_;
   Thickness thickness_;
+  SearchSlack slack_;
   bool is_last_; ///< and so must leave nothing that meets
 
   // of the step in hand
   const Freedom* freedom_ = nullptr;
   std::vector<double> inverse_mass_;             ///< 1/kg
   std::vector<Mat3> spins_;                      ///< m
-  std::vector<Vec3> start_, target_, searched_;  ///< m, of local vertices
+  std::vector<Vec3> start_, target_;             ///< m, of local vertices
   std::vector<Vec3> bodies_from_, bodies_to_;    ///< m
   std::vector<Vec3> start_field_, displacement_; ///< m, contact fields
   std::vector<Vec3> mobility_;                   ///< 1/kg, in the first component, as a contact field
