@@ -7,20 +7,27 @@ namespace taut {
 /// What two steps have in common: an impact is in one of them only.
 Pressed lasting(const Pressed& before, const Pressed& now);
 
-/// One scalar condition between the vertices of a pair: its left side is direction . sum_i weights[i] y_i.
-struct ContactRow {
+/// Two features near each other, wherever pairs found them.
+struct Contact {
   std::array<Local, 4> vertices;
-  std::array<double, 4> weights;
+  std::array<double, 4> weights; ///< sum_i weights[i] x_i goes from the second feature to the first
+  Vec3 normal;
+  double mobility; ///< 1/kg: so much the features part per unit of what presses them
+  double missing;  ///< m by which they have to part
+  ContactKey key;
+  double friction;   ///< Coulomb's coefficient
+  std::int16_t body; ///< the obstacle, or -1
+};
+
+/// One scalar condition on a contact: its left side is direction . sum_i weights[i] y_i.
+struct ContactRow {
+  Local contact;
+  bool is_normal;
   Vec3 direction;
-  double mobility;     ///< 1/kg: the left side grows by it per unit of the multiplier, the other rows aside
   double missing;      ///< m by which the left side has to grow
   double lower, upper; ///< of the multiplier's increment
   double slack;        ///< m that may stay missing
   double guess;        ///< of the multiplier's increment
-  ContactKey key;
-  bool is_normal;
-  double friction = 0;    ///< Coulomb coefficient, of a normal row
-  std::int16_t body = -1; ///< the obstacle, of a normal row
 };
 
 /// The features of a pair that are in play at its closest points, those with a weight.

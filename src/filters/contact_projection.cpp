@@ -65,7 +65,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     }
     project(strain, report);
     note_contact_forces(candidate); // before another search renumbers what the rows refer to
-    report.contacts = std::max(report.contacts, contacts_);
+    report.contacts = std::max(report.contacts, contact_count_);
     ++report.iterations;
     if (!report.failure.empty()) break;
     double alpha = 1;
@@ -108,8 +108,7 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
   at_home_ = start.contacts;
   noted_.clear();
-  pressed_.clear();
-  pressed_before_.clear();
+  touched_.clear();
   blocked_.clear();
   slack_.begin_step();
   start_.cloth = start.positions;
@@ -174,7 +173,7 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
     const double length = d.norm();
     // |d|^2 / l - l, but under contact an edge that is too short asks for no more than its missing length
     const double value =
-        length > l || contacts_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
+        length > l || contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
     residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - shift_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
@@ -184,7 +183,7 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
 
 /// Moves the target to where edges and contacts want it.
 void ContactProjection::project(double strain, FilterReport& report) {
-  if (contacts_ == 0) {
+  if (contact_count_ == 0) {
     system_.assemble(gradient_, inverse_mass_, *freedom_, shift_);
     const double forcing = std::clamp(0.1 * limits_.strain / strain, 1e-4, 1e-2);
     const SolveReport solved = system_.solve(residual_, forcing, change_);
@@ -200,7 +199,7 @@ void ContactProjection::project(double strain, FilterReport& report) {
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
     const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
-    report.linear_iterations += qp_.solve(edges, rows_, most_products).products;
+    report.linear_iterations += qp_.solve(edges, contacts_, rows_, most_products).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];
     std::copy(qp_.edge_part().begin(), qp_.edge_part().end(), change_.begin());

@@ -5,7 +5,9 @@
 #include "src/filters/velocity_filter.hpp"
 #include "src/linear/projection_system.hpp"
 
+#include <optional>
 #include <set>
+#include <unordered_map>
 
 namespace taut {
 
@@ -40,6 +42,12 @@ public:
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
+  /// What presses and rubs between two features.
+  struct Touch {
+    Pressed pressed;               ///< kg m, by the step's programs and what is carried
+    std::optional<Pressed> before; ///< N, by the last step
+  };
+
   /// Cloth (local vertices) and obstacles.
   struct Scene {
     std::vector<Vec3> cloth, obstacles;
@@ -51,13 +59,13 @@ private:
   void take_pairs();
   void look();
   double strain_at_target(const Freedom& freedom);
-  Pressed before(const ContactKey& key) const;
   void note_contact_forces(Candidate& candidate);
   void make_rows();
   void recall_contacts();
-  void add_normal_row(const Pair& pair, const Approach& here);
-  double pressing(const ContactRow& normal) const;
-  void add_friction_rows(const ContactRow& normal);
+  void find_contacts();
+  void add_contact(const Pair& pair, const Approach& here);
+  void add_normal_row(Local contact);
+  void add_friction_rows(Local contact);
   void project(double strain, FilterReport& report);
   void note_multipliers();
   double distance_behind() const;
@@ -84,7 +92,7 @@ private:
   const Freedom* freedom_ = nullptr;
   double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
   int iteration_ = 0;
-  Global contacts_ = 0; ///< normal rows over all ranks
+  Global contact_count_ = 0; ///< over all ranks
   Scene start_, safe_, target_;
   std::vector<Mat3> spins_; ///< m, of the obstacles over the step
   std::vector<Vec3> start_field_, safe_field_, target_field_;
@@ -92,11 +100,12 @@ private:
   std::vector<Approach> approaches_; ///< of the pairs, at `safe_`
   std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
   std::vector<Local> stuck_;         ///< pairs that stopped it last
+  std::vector<Contact> contacts_;
+  std::vector<Touch*> touches_; ///< of the contacts, into `touched_`
   std::vector<ContactRow> rows_;
-  ContactMemory at_home_;     ///< of the last step, what no rank has asked for yet
-  ContactMemory noted_;       ///< of this step, what rows of this rank pressed
-  PressedMap pressed_;        ///< by the step's programs and what is carried, kg m
-  PressedMap pressed_before_; ///< by the last step, N
+  ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
+  ContactMemory noted_;   ///< of this step, what rows of this rank pressed
+  std::unordered_map<ContactKey, Touch, HashOfKey> touched_; ///< in this step
   std::vector<Vec3> gradient_;
   std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;
   std::vector<double> pulled_; ///< by the step's programs on local edges, kg m

@@ -17,30 +17,25 @@ constexpr double slip_left = 0.03; ///< the same
 
 } // namespace
 
-/// What the step before pressed, for the present step size.
-Pressed ContactProjection::before(const ContactKey& key) const {
-  const auto found = pressed_before_.find(key);
-  return found == pressed_before_.end() ? Pressed{} : found->second.scaled(dt_ * dt_);
-}
-
-/// Of the contacts with rows: what has pressed them so far, and what of it lasts (per dt^2, newtons); both
+/// Of the contacts there are: what has pressed them so far, and what of it lasts (per dt^2, newtons); both
 /// also as forces on vertices.
 void ContactProjection::note_contact_forces(Candidate& candidate) {
   noted_.clear();
   candidate.contact_force.assign(candidate.contact_force.size(), Vec3::Zero());
   candidate.pressing.assign(candidate.pressing.size(), Vec3::Zero());
-  if (contacts_ == 0) return;
+  if (contact_count_ == 0) return;
   std::vector<Vec3> lasting_forces(search_.size(), Vec3::Zero()), all_forces = lasting_forces;
-  for (const ContactRow& row : rows_) {
-    if (!row.is_normal) continue;
-    const Pressed now = pressed_[row.key].scaled(1 / (dt_ * dt_));
-    if (now.normal <= 0) continue;
-    const auto found = pressed_before_.find(row.key);
-    const Pressed carried = found == pressed_before_.end() ? Pressed{} : lasting(found->second, now);
-    noted_[row.key] = {now, carried};
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = contacts_[k];
+    const Touch& touch = *touches_[k];
+    if (touch.pressed.normal <= 0) continue;
+    const Pressed now = touch.pressed.scaled(1 / (dt_ * dt_));
+    const Pressed carried = touch.before ? lasting(*touch.before, now) : Pressed{};
+    noted_.emplace_hint(noted_.end(), contact.key, ContactEntry{now, carried});
     for (int i = 0; i < 4; ++i) {
-      lasting_forces[row.vertices[i]] += row.weights[i] * (carried.normal * row.direction + carried.tangent);
-      all_forces[row.vertices[i]] += row.weights[i] * (now.normal * row.direction + now.tangent);
+      lasting_forces[contact.vertices[i]] +=
+          contact.weights[i] * (carried.normal * contact.normal + carried.tangent);
+      all_forces[contact.vertices[i]] += contact.weights[i] * (now.normal * contact.normal + now.tangent);
     }
   }
   search_.accumulate(lasting_forces);
@@ -50,101 +45,107 @@ void ContactProjection::note_contact_forces(Candidate& candidate) {
   cloth_.mesh.vertex_halo.update(candidate.contact_force);
 }
 
-/// Fetches what the last step left of contacts that have their first row in this one, and lets all start from
-/// it.
-void ContactProjection::recall_contacts() {
-  std::vector<ContactKey> keys;
-  for (const ContactRow& row : rows_)
-    if (!pressed_.contains(row.key)) keys.push_back(row.key);
-  for (const auto& [key, entry] : hand_out(cloth_.mesh, at_home_, keys)) {
-    pressed_before_[key] = entry.pressed;
-    pressed_[key] = entry.carried.scaled(dt_ * dt_);
-  }
-  for (ContactRow& row : rows_) {
-    const double so_far = pressed_[row.key].normal;
-    row.lower = -so_far;
-    if (iteration_ == 1) row.guess = std::max(-so_far, before(row.key).normal - so_far);
-  }
-}
-
 void ContactProjection::make_rows() {
-  rows_.clear();
   search_.gather(target_.cloth, target_.obstacles, target_field_);
-  for (std::size_t k = 0; k < search_.pairs().size(); ++k) add_normal_row(search_.pairs()[k], approaches_[k]);
-  // several pairs may have found the same contact
-  std::sort(rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
-  rows_.erase(
-      std::unique(rows_.begin(), rows_.end(), [](const auto& a, const auto& b) { return a.key == b.key; }),
-      rows_.end());
-  const std::size_t normals = rows_.size();
-  contacts_ = sum_over(comm_, Global(normals));
-  if (contacts_ > 0) recall_contacts();
-  for (std::size_t k = 0; k < normals; ++k) add_friction_rows(ContactRow(rows_[k]));
+  find_contacts();
+  rows_.clear();
+  if (contact_count_ > 0) recall_contacts();
+  for (Local k = 0; k < Local(contacts_.size()); ++k) {
+    add_normal_row(k);
+    add_friction_rows(k);
+  }
 }
 
-/// Of what is near a round obstacle, faces and edges have rows. (Vertices alone would be half the rows, but
-/// friction then chatters: the capstan's force comes out half as large again.)
-void ContactProjection::add_normal_row(const Pair& pair, const Approach& here) {
+void ContactProjection::find_contacts() {
+  contacts_.clear();
+  for (std::size_t k = 0; k < search_.pairs().size(); ++k) add_contact(search_.pairs()[k], approaches_[k]);
+  // several pairs may have found the same contact
+  std::sort(contacts_.begin(), contacts_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  contacts_.erase(std::unique(contacts_.begin(), contacts_.end(),
+                              [](const auto& a, const auto& b) { return a.key == b.key; }),
+                  contacts_.end());
+  contact_count_ = sum_over(comm_, Global(contacts_.size()));
+}
+
+/// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
+/// but friction then chatters: the capstan's force comes out half as large again.)
+void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
+  const double thickness = thickness_.of(pair, search_.keys());
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
   const double gap = here.normal.dot(ahead) - pair.radius;
-  const bool blocked = !blocked_.empty() && blocked_.contains(name_of(pair, search_.keys()));
-  const double thickness = thickness_.of(pair, search_.keys());
-  if (std::min(gap, here.gap) >= 2.0 * thickness && !blocked) return;
+  const bool is_near = std::min(gap, here.gap) < 2.0 * thickness;
+  if (!is_near && blocked_.empty()) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
-  if (pair.kind == PairKind::edge_edge && !inside && !blocked) return; // vertices against faces have it
+  const bool is_covered = pair.kind == PairKind::edge_edge && !inside; // vertices against faces have it
+  if ((!is_near || is_covered) && !blocked_.contains(name_of(pair, search_.keys()))) return;
   double mobility = 0;
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return; // nothing here can be moved
-  const ContactKey key = key_of(pair, here, search_.keys());
-  rows_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness - gap, 0.0, HUGE_VAL,
-                   gap_left * fall_, 0.0, key, true});
-  rows_.back().body = pair.body;
-  rows_.back().friction = friction_of(pair, obstacles_, contact_);
+  contacts_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness - gap,
+                       key_of(pair, here, search_.keys()), friction_of(pair, obstacles_, contact_),
+                       pair.body});
 }
 
-/// The force that pressed a contact before this iteration, position-level.
-double ContactProjection::pressing(const ContactRow& normal) const {
-  if (iteration_ > 1) {
-    const auto now = pressed_.find(normal.key);
-    return now == pressed_.end() ? 0.0 : now->second.normal;
+/// Fetches what the last step left of contacts that are the first time in this one, and lets them start from
+/// it.
+void ContactProjection::recall_contacts() {
+  std::vector<ContactKey> keys;
+  touches_.clear();
+  for (const Contact& contact : contacts_) {
+    const auto [touch, is_new] = touched_.try_emplace(contact.key);
+    touches_.push_back(&touch->second); // stays where it is
+    if (is_new) keys.push_back(contact.key);
   }
-  // a new contact is going to be pressed by what it takes to stop it
-  return pressed_before_.contains(normal.key) ? before(normal.key).normal
-                                              : std::max(0.0, normal.missing) / normal.mobility;
+  for (const auto& [key, entry] : hand_out(cloth_.mesh, at_home_, keys))
+    touched_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed};
 }
 
-/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force. The
-/// first is along the force that it would take; the second gets what that leaves of Coulomb's cone, which is
-/// nothing where the contact slides.
-void ContactProjection::add_friction_rows(const ContactRow& normal) {
-  const double most = normal.friction * pressing(normal);
+void ContactProjection::add_normal_row(Local k) {
+  const Contact& contact = contacts_[k];
+  const Touch& touch = *touches_[k];
+  const double so_far = touch.pressed.normal;
+  const double before = touch.before ? dt_ * dt_ * touch.before->normal : 0.0;
+  const double guess = iteration_ == 1 ? std::max(-so_far, before - so_far) : 0.0;
+  rows_.push_back({k, true, contact.normal, contact.missing, -so_far, HUGE_VAL, gap_left * fall_, guess});
+}
+
+/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force for what
+/// pressed it before this iteration. The first is along the force that it would take; the second gets what
+/// that leaves of Coulomb's cone, which is nothing where the contact slides.
+void ContactProjection::add_friction_rows(Local k) {
+  const Contact& contact = contacts_[k];
+  const Touch& touch = *touches_[k];
+  const Pressed before = touch.before ? touch.before->scaled(dt_ * dt_) : Pressed{};
+  double pressing = touch.pressed.normal;
+  if (iteration_ == 1) // a new contact is going to be pressed by what it takes to stop it
+    pressing = touch.before ? before.normal : std::max(0.0, contact.missing) / contact.mobility;
+  const double most = contact.friction * pressing;
   if (most <= 0) return;
   Vec3 slip = Vec3::Zero();
   for (int i = 0; i < 4; ++i)
-    slip += normal.weights[i] * (target_field_[normal.vertices[i]] - start_field_[normal.vertices[i]]);
-  if (normal.body >= 0) slip -= spins_[normal.body] * normal.direction;
-  slip -= normal.direction.dot(slip) * normal.direction;
-  const auto now = pressed_.find(normal.key);
-  const Vec3 rubbed = now == pressed_.end() ? Vec3(Vec3::Zero()) : now->second.tangent;
-  const Vec3 needed = rubbed - slip / normal.mobility;
+    slip += contact.weights[i] * (target_field_[contact.vertices[i]] - start_field_[contact.vertices[i]]);
+  if (contact.body >= 0) slip -= spins_[contact.body] * contact.normal;
+  slip -= contact.normal.dot(slip) * contact.normal;
+  const Vec3 rubbed = touch.pressed.tangent;
+  const Vec3 needed = rubbed - slip / contact.mobility;
   const Vec3 first =
-      needed.norm() * normal.mobility > 1e-12 ? Vec3(needed.normalized()) : normal.direction.unitOrthogonal();
+      needed.norm() * contact.mobility > 1e-12 ? Vec3(needed.normalized()) : contact.normal.unitOrthogonal();
   const double rest = std::sqrt(std::max(0.0, most * most - needed.squaredNorm()));
-  for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(normal.direction.cross(first)), rest}}) {
+  for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(contact.normal.cross(first)), rest}}) {
     const double so_far = tangent.dot(rubbed);
-    const double guess = iteration_ == 1 ? tangent.dot(before(normal.key).tangent) - so_far : 0.0;
+    const double guess = iteration_ == 1 ? tangent.dot(before.tangent) - so_far : 0.0;
     if (bound > 0 || so_far != 0)
-      rows_.push_back({normal.vertices, normal.weights, tangent, normal.mobility, -tangent.dot(slip),
-                       -bound - so_far, bound - so_far, slip_left * fall_, guess, normal.key, false});
+      rows_.push_back(
+          {k, false, tangent, -tangent.dot(slip), -bound - so_far, bound - so_far, slip_left * fall_, guess});
   }
 }
 
 void ContactProjection::note_multipliers() {
   const auto z = qp_.row_part();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    Pressed& p = pressed_[rows_[k].key];
+    Pressed& p = touches_[rows_[k].contact]->pressed;
     if (rows_[k].is_normal)
       p.normal = std::max(0.0, p.normal + z[k]);
     else

@@ -1,6 +1,6 @@
 #include "src/filters/contact_qp.hpp"
 
-#include <cmath>
+#include <utility>
 
 namespace taut {
 
@@ -16,22 +16,13 @@ ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search)
     : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned),
       edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
-QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products) {
+QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> contacts,
+                          std::span<const ContactRow> rows, int most_products) {
   edge_equations_ = &edges;
-  rows_ = rows;
   z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
   tolerance_.assign(edges.tolerance.begin(), edges.tolerance.begin() + edges_);
-  lower_.clear();
-  upper_.clear();
-  for (const ContactRow& row : rows) {
-    rhs_.push_back(row.missing);
-    lower_.push_back(row.lower);
-    upper_.push_back(row.upper);
-    tolerance_.push_back(row.slack);
-    z_.push_back(row.guess);
-  }
-  set_diagonal();
+  take_rows(contacts, rows);
   yarns_.factor(edges.gradient, edges.inverse_mass, edges.freedom, edges.shift);
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
                      [this](auto r, auto s) { precondition(r, s); },
@@ -45,12 +36,27 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const ContactRow
   return report;
 }
 
-void ContactQp::set_diagonal() {
+void ContactQp::take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows) {
+  lower_.clear();
+  upper_.clear();
+  blocks_.clear();
+  directions_.clear();
   row_diagonal_.clear();
   row_compliance_.clear();
-  for (const ContactRow& row : rows_) {
-    row_compliance_.push_back((row.is_normal ? normal_compliance : friction_compliance) * row.mobility);
-    row_diagonal_.push_back(row.mobility + row_compliance_.back());
+  Local last = -1;
+  for (const ContactRow& row : rows) {
+    const Contact& contact = contacts[row.contact];
+    if (std::exchange(last, row.contact) != row.contact)
+      blocks_.push_back({contact.vertices, contact.weights, 0});
+    ++blocks_.back().rows;
+    directions_.push_back(row.direction);
+    rhs_.push_back(row.missing);
+    lower_.push_back(row.lower);
+    upper_.push_back(row.upper);
+    tolerance_.push_back(row.slack);
+    z_.push_back(row.guess);
+    row_compliance_.push_back((row.is_normal ? normal_compliance : friction_compliance) * contact.mobility);
+    row_diagonal_.push_back(contact.mobility + row_compliance_.back());
   }
 }
 
@@ -60,9 +66,11 @@ void ContactQp::spread(std::span<const double> z) {
   std::copy(z.begin(), z.begin() + edges_, edge_values_.begin());
   mesh.edge_halo.begin_update(edge_values_);
   field_.assign(search_.size(), Vec3::Zero());
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const ContactRow& row = rows_[k];
-    for (int i = 0; i < 4; ++i) field_[row.vertices[i]] += z[edges_ + k] * row.weights[i] * row.direction;
+  std::size_t k = 0; // row
+  for (const Block& block : blocks_) {
+    Vec3 force = Vec3::Zero();
+    for (const std::size_t end = k + block.rows; k < end; ++k) force += z[edges_ + k] * directions_[k];
+    for (int i = 0; i < 4; ++i) field_[block.vertices[i]] += block.weights[i] * force;
   }
   mesh.edge_halo.end_update(edge_values_);
   search_.accumulate(field_);
@@ -86,17 +94,18 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
         is_fixed ? z[e]
                  : edge_equations_->shift[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
   }
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const ContactRow& row = rows_[k];
-    Vec3 sum = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) sum += row.weights[i] * field_[row.vertices[i]];
-    result[edges_ + k] = row.direction.dot(sum) + row_compliance_[k] * z[edges_ + k];
+  std::size_t k = 0; // row
+  for (const Block& block : blocks_) {
+    Vec3 parting = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) parting += block.weights[i] * field_[block.vertices[i]];
+    for (const std::size_t end = k + block.rows; k < end; ++k)
+      result[edges_ + k] = directions_[k].dot(parting) + row_compliance_[k] * z[edges_ + k];
   }
 }
 
 void ContactQp::precondition(std::span<const double> r, std::span<double> s) const {
   yarns_.solve(r.first(edges_), s.first(edges_));
-  for (std::size_t k = 0; k < rows_.size(); ++k) s[edges_ + k] = r[edges_ + k] / row_diagonal_[k];
+  for (std::size_t k = 0; k < row_diagonal_.size(); ++k) s[edges_ + k] = r[edges_ + k] / row_diagonal_[k];
 }
 
 } // namespace taut

@@ -19,8 +19,9 @@ public:
   /// Both must outlive it. Collective.
   ContactQp(const Cloth& cloth, const ContactSearch& search);
 
-  /// Multipliers' increments of [owned edges; rows]. Collective.
-  QpReport solve(const EdgeEquations& edges, std::span<const ContactRow> rows, int most_products);
+  /// Multipliers' increments of [owned edges; rows]; rows of one contact stand together. Collective.
+  QpReport solve(const EdgeEquations& edges, std::span<const Contact> contacts,
+                 std::span<const ContactRow> rows, int most_products);
 
   std::span<const double> edge_part() const { return {z_.data(), edges_}; }
   std::span<const double> row_part() const { return {z_.data() + edges_, z_.size() - edges_}; }
@@ -29,7 +30,14 @@ public:
   std::span<const Vec3> push() const { return push_; }
 
 private:
-  void set_diagonal();
+  /// What a product needs of a contact and its rows.
+  struct Block {
+    std::array<Local, 4> vertices;
+    std::array<double, 4> weights;
+    Local rows; ///< so many
+  };
+
+  void take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows);
   void precondition(std::span<const double> r, std::span<double> s) const;
   void multiply(std::span<const double> z, std::span<double> result);
   void spread(std::span<const double> z);
@@ -39,7 +47,8 @@ private:
   YarnSystem yarns_;
   std::size_t edges_;                             ///< owned
   const EdgeEquations* edge_equations_ = nullptr; ///< of the program in hand
-  std::span<const ContactRow> rows_;
+  std::vector<Block> blocks_;
+  std::vector<Vec3> directions_; ///< of rows
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
   std::vector<double> row_diagonal_; ///< compliance in it
   std::vector<double> row_compliance_;
