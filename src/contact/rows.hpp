@@ -33,6 +33,14 @@ struct ContactRow {
 /// The features of a pair that are in play at its closest points, those with a weight.
 ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Global> keys);
 
+struct HashOfKey {
+  std::size_t operator()(const ContactKey& key) const {
+    std::size_t hash = 0;
+    for (const Global part : key) hash = (hash ^ std::size_t(part)) * 0x9e3779b97f4a7c15u;
+    return hash ^ hash >> 32;
+  }
+};
+
 /// Names a pair by its vertices, whatever its closest points are.
 ContactKey name_of(const Pair& pair, std::span<const Global> keys);
 

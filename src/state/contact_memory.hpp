@@ -14,14 +14,6 @@ namespace taut {
 /// edges, the first number n stands as -2 - n.
 using ContactKey = std::array<Global, 4>;
 
-struct HashOfKey {
-  std::size_t operator()(const ContactKey& key) const {
-    std::size_t hash = 0;
-    for (const Global part : key) hash = (hash ^ std::size_t(part)) * 0x9e3779b97f4a7c15u;
-    return hash ^ hash >> 32;
-  }
-};
-
 /// What has been pressed and rubbed between two features: in newtons, or in kg m within a step, newtons times
 /// the step squared.
 struct Pressed {
