@@ -1,6 +1,7 @@
 #include "src/contact/obstacles.hpp"
 
 #include "io/mesh_file.hpp"
+#include "src/contact/closest.hpp"
 #include "src/state/pins.hpp"
 
 #include <fmt/format.h>
@@ -176,6 +177,21 @@ Mat3 Obstacles::turned(int body, double from, double to) const {
     return r;
   };
   return rotation(to) * rotation(from).transpose();
+}
+
+Obstacles::Nearest Obstacles::nearest(const Vec3& place, std::span<const Vec3> positions) const {
+  Nearest nearest;
+  const auto meet = [&](int body, double distance) {
+    distance -= bodies_[body].radius;
+    if (distance < nearest.distance) nearest = {body, distance};
+  };
+  for (const Plane& plane : planes_) meet(plane.body, plane.normal.dot(place - positions[plane.point]));
+  for (const Element& e : elements_) {
+    const Vec3 &a = positions[e.vertices[0]], &b = positions[e.vertices[e.corners > 1 ? 1 : 0]];
+    meet(e.body, e.is_triangle() ? closest_vertex_face({place, a, b, positions[e.vertices[2]]}).distance
+                                 : closest_edge_edge({place, place, a, b}).distance);
+  }
+  return nearest;
 }
 
 std::vector<Mat3> Obstacles::spins(double from, double to) const {
