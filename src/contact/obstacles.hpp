@@ -72,6 +72,8 @@ private:
   };
   void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
+  void add_union(MPI_Comm comm, const Case& input, int body);
+  void add_sheet(const config::Plane& plane, int body);
   Local add_vertex(int body, const Vec3& position);
   void add_triangles(std::span<const std::array<Local, 3>> triangles, int body);
 
