@@ -36,6 +36,7 @@ pins: [{vertices: [0]}]
 time: {end: 0.02, frame_rate: 100}
 """
 BODY = "v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n"
+BALL = "union: {parts: [{sphere: {centre: [0, 0, -1], radius: 10 cm}}], "
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
 
@@ -158,6 +159,21 @@ MISTAKES = [
              "taut: case.yaml:5:48: obstacles.0.sequence.fps: 0 is out of range; it must be above 0"),
     obstacle("sequence_of_a_sphere", "sphere: {centre: [0, 0, -1], radius: 0.1}, sequence: {fps: 25, frames: 2}", {},
              "taut: case.yaml:5:67: obstacles.0.sequence: is of meshes; give the first as mesh"),
+    obstacle("half_space_that_turns", "plane: {point: [0, 0, -1]}, motion: [{time: 0, rotate: {angle: 0.1}}]", {},
+             "taut: case.yaml:5:50: obstacles.0.motion: a half-space can be moved but not turned; give plane.reach, which makes it a "
+             "triangle"),
+    obstacle("union_of_nothing", "union: {parts: [], edge: 1 cm}", {},
+             "taut: case.yaml:5:29: obstacles.0.union.parts: must not be empty; a union has parts"),
+    obstacle("union_of_a_plane", "union: {parts: [{plane: {}}], edge: 1 cm}", {}, "taut: case.yaml:5:31: unknown key 'plane' (known "
+             "here: sphere, capsule, box)"),
+    obstacle("union_with_negative_blend", BALL + "blend: -1 cm, edge: 1 cm}", {},
+             "taut: case.yaml:5:85: obstacles.0.union.blend: -1 cm is out of range; it must be at least 0"),
+    obstacle("union_without_edge", BALL + "}", {}, "taut: case.yaml:5:21: obstacles.0.union: missing key 'edge' (about the length of "
+             "the edges of the triangles that its surface is made of); add it"),
+    obstacle("union_with_coarse_edge", BALL + "edge: 6 cm}", {}, "taut: case.yaml:5:84: obstacles.0.union.edge: is too coarse for its "
+             "parts; give at most half the smallest radius, and a quarter of the shortest side of a box"),
+    obstacle("union_with_fine_edge", BALL + "edge: 0.1 mm}", {}, "taut: case.yaml:5:84: obstacles.0.union.edge: is too fine for its "
+             "parts, which would have millions of triangles; give at least a thousandth of their extent"),
     obstacle("obstacle_that_is_not_a_number", "mesh: body.obj", {"body.obj": BODY.replace("v 1 0", "v nan 0")}, "taut: body.obj:2: 'nan' is not a finite number; give every vertex a finite place"),
     obstacle("obstacle_without_faces", "mesh: body.obj", {"body.obj": "v 0 0 -1\n"}, "taut: body.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
     added("friction_below_zero", "contact: {friction: -0.1}\n", "taut: case.yaml:5:21: contact.friction: -0.1 is out of range; it must be at least 0"),

@@ -64,3 +64,74 @@ TEST(Trajectory, IsTheSameAtAnyRankCountWithDirectSolvers) { expect_the_same_run
 // Conjugate gradients stop at a relative residual, each rank count in another place: 1e-3 of the change of
 // velocity.
 TEST(Trajectory, IsNearlyTheSameAtAnyRankCountWithConjugateGradients) { expect_the_same_run("", 1e-3); }
+
+namespace {
+
+/// Falls on a ball and hangs down around it.
+const std::string on_a_ball =
+    "cloth:\n"
+    "  grid: {size: [0.6, 0.6], vertices: [21, 21]}\n"
+    "  start: {translate: [-0.3, -0.3, 0.22]}\n"
+    "  material: {density: 0.2, bending: 1e-4, shear: 10, damping: {mass: 2, stiffness: 1e-3}}\n"
+    "obstacles: [{sphere: {centre: [0, 0, 0], radius: 0.2}}]\n"
+    "contact: {thickness: 2 mm, friction: 0.5}\n"
+    "velocity: {tolerance: 1e-10}\n"
+    "time: {end: 0.4, frame_rate: 100, max_step: 0.005}\n";
+
+/// The positions at every frame.
+class Frames : public Observer {
+public:
+  explicit Frames(const Simulation& simulation) : mesh_(simulation.cloth().mesh) {}
+
+  void after_step(const State&, const StepRecord& record) override {
+    touched_ = touched_ || record.contacts > 0;
+  }
+  void after_frame(const State& state, Global) override {
+    positions.push_back(gather<Vec3>(mesh_.comm, mesh_.vertices, state.positions));
+    if (!touched_) before_contact = positions.size();
+  }
+
+  std::vector<Column> positions;
+  std::size_t before_contact = 0; ///< frames without any
+
+private:
+  const DistributedMesh& mesh_;
+  bool touched_ = false;
+};
+
+Frames frames_of(MPI_Comm comm) {
+  Simulation simulation(comm, case_of(on_a_ball));
+  Frames frames(simulation);
+  run_to_the_end(simulation, frames);
+  return frames;
+}
+
+double farthest(const Column& difference) {
+  return difference.reshaped(3, difference.size() / 3).colwise().norm().maxCoeff();
+}
+
+/// Mean height, lowest point, and how far the cloth reaches from the ball's axis on average; m.
+Vec3 statistics(const Column& positions) {
+  const auto x = positions.reshaped(3, positions.size() / 3);
+  return {x.row(2).mean(), x.row(2).minCoeff(), x.topRows(2).colwise().norm().mean()};
+}
+
+} // namespace
+
+// Where contact begins, its program stops at a tolerance that is a part of what a vertex falls in a step,
+// each rank count in another place; from then on differences grow as fast as in any scene with friction. What
+// the cloth comes to is the same.
+TEST(Trajectory, WithContactIsTheSameUntilItTouchesAndEndsAlike) {
+  const Frames found = frames_of(world);
+  if (rank_of(world) != 0) return;
+  const Frames expected = frames_of(self);
+  EXPECT_GE(expected.before_contact, 5u);
+  EXPECT_EQ(found.before_contact, expected.before_contact);
+  ASSERT_EQ(found.positions.size(), expected.positions.size());
+  for (std::size_t k = 0; k < found.positions.size(); ++k) {
+    const double apart = farthest(found.positions[k] - expected.positions[k]);
+    EXPECT_LT(apart, k < found.before_contact ? 1e-9 : k < found.before_contact + 3 ? 2e-3 : 0.1) << k;
+  }
+  const Vec3 a = statistics(expected.positions.back()), b = statistics(found.positions.back());
+  EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 4e-3) << a.transpose() << "; " << b.transpose();
+}

@@ -45,7 +45,7 @@ int exit_code(Ending ending) {
 void tell_of_holes(MPI_Comm comm, const Case& input, const Obstacles& obstacles) {
   if (rank_of(comm) != 0) return;
   for (int k = 0; k < int(input.obstacles.size()); ++k)
-    if (const Obstacles::Body& body = obstacles.body(k); body.rims > 0)
+    if (const Obstacles::Body& body = obstacles.body(k); body.rims > 0 && input.obstacles[k].mesh)
       fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
 }
 

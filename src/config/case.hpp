@@ -118,6 +118,7 @@ struct Pin {
 struct Plane {
   Vec3 point = Vec3::Zero();   ///< m
   Vec3 normal = Vec3::UnitZ(); ///< any length but zero; cloth stays on the side it points to
+  std::optional<double> reach; ///< m, see Obstacles::add_sheet; absent: a half-space
   bool operator==(const Plane&) const = default;
 };
 
@@ -135,6 +136,22 @@ struct Capsule {
   bool operator==(const Capsule&) const = default;
 };
 
+/// A part of a union.
+struct Solid {
+  std::optional<Sphere> sphere; ///< exactly one of sphere, capsule and box is there
+  std::optional<Capsule> capsule;
+  std::optional<Box> box;
+  bool operator==(const Solid&) const = default;
+};
+
+/// Solids that are one body, see UnionDistance.
+struct Union {
+  std::vector<Solid> parts;
+  double blend = 0;   ///< m, radius of the fillets where parts meet
+  double edge = 0.01; ///< m, of the triangles of its surface
+  bool operator==(const Union&) const = default;
+};
+
 /// Numbered meshes of one body, at equal intervals of time.
 struct Sequence {
   double fps = 25; ///< Hz
@@ -145,10 +162,11 @@ struct Sequence {
 /// Something that cloth cannot pass.
 struct Obstacle {
   std::optional<std::string> name; ///< for messages
-  std::optional<Plane> plane;      ///< exactly one of plane, sphere, capsule, box and mesh is there
+  std::optional<Plane> plane;      ///< exactly one of plane, sphere, capsule, box, union and mesh is there
   std::optional<Sphere> sphere;
   std::optional<Capsule> capsule;
   std::optional<Box> box;
+  std::optional<Union> joined;               ///< the key `union`
   std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
   std::optional<Sequence> sequence;          ///< `mesh` is its first
   double scale = 1;                          ///< m per unit of the mesh

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/config/case.hpp"
 #include "src/config/key.hpp"
+#include "src/config/solids.hpp"
 
 #include <algorithm>
 
@@ -73,6 +74,12 @@ template<class V>
 void describe(V& v, Is<Plane> auto& p) {
   v("point", p.point, {.unit = Unit::metre, .meaning = "a point on the plane"});
   v("normal", p.normal, {.meaning = "the side on which cloth stays, of any length"});
+  v("reach", p.reach,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "a half-space",
+     .meaning = "makes it a triangle, which has two sides and may turn: around the circle of this radius "
+                "about the point, with a level side"});
   v.check("normal", !p.normal.isZero(0), "must not be zero; a plane has two sides");
 }
 
@@ -92,6 +99,38 @@ void describe(V& v, Is<Capsule> auto& c) {
 }
 
 template<class V>
+void describe(V& v, Is<Solid> auto& s) {
+  v.exactly_one({"sphere", "capsule", "box"});
+  v("sphere", s.sphere, {.meaning = "a sphere"});
+  v("capsule", s.capsule, {.meaning = "all points near a segment"});
+  v("box", s.box, {.meaning = "a box along the axes"});
+}
+
+template<class V>
+void describe(V& v, Is<Union> auto& u) {
+  v("parts", u.parts,
+    {.presence = Presence::required, .meaning = "what it is made of, each a sphere, a capsule or a box"});
+  v("blend", u.blend,
+    {.unit = Unit::metre,
+     .range = not_negative,
+     .meaning = "radius with which it is rounded where its parts meet"});
+  v("edge", u.edge,
+    {.unit = Unit::metre,
+     .range = positive,
+     .presence = Presence::required,
+     .meaning = "about the length of the edges of the triangles that its surface is made of"});
+  v.check("parts", !u.parts.empty(), "must not be empty; a union has parts");
+  v.check("edge",
+          std::all_of(u.parts.begin(), u.parts.end(),
+                      [&](const Solid& s) { return 2 * u.edge <= half_width(s); }),
+          "is too coarse for its parts; give at most half the smallest radius, and a quarter of the shortest "
+          "side of a box");
+  v.check("edge", u.parts.empty() || 1000 * u.edge >= (around(u).max - around(u).min).maxCoeff(),
+          "is too fine for its parts, which would have millions of triangles; give at least a thousandth of "
+          "their extent");
+}
+
+template<class V>
 void describe(V& v, Is<Sequence> auto& s) {
   v("fps", s.fps,
     {.unit = Unit::hertz, .range = positive, .presence = Presence::required, .meaning = "meshes a second"});
@@ -102,11 +141,12 @@ void describe(V& v, Is<Sequence> auto& s) {
 template<class V>
 void describe(V& v, Is<Obstacle> auto& o) {
   v("name", o.name, {.computed_default = "its number and kind", .meaning = "how messages call it"});
-  v.exactly_one({"plane", "sphere", "capsule", "box", "mesh"});
-  v("plane", o.plane, {.meaning = "a half-space"});
+  v.exactly_one({"plane", "sphere", "capsule", "box", "union", "mesh"});
+  v("plane", o.plane, {.meaning = "a half-space, or a triangle"});
   v("sphere", o.sphere, {.meaning = "a sphere"});
   v("capsule", o.capsule, {.meaning = "all points near a segment"});
   v("box", o.box, {.meaning = "a box along the axes"});
+  v("union", o.joined, {.meaning = "spheres, capsules and boxes as one body, rounded where they meet"});
   v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj or .h5), relative to the case file"});
   v("sequence", o.sequence,
     {.computed_default = "none",
@@ -123,9 +163,10 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v.check("sequence", !o.sequence || o.mesh, "is of meshes; give the first as mesh");
   v.check("motion", increasing(o.motion), "times must increase from keyframe to keyframe; sort them");
   v.check("motion",
-          !o.plane || std::none_of(o.motion.begin(), o.motion.end(),
-                                   [](const Keyframe& k) { return k.rotate.angle != 0; }),
-          "a plane can be moved but not turned; use a box");
+          !o.plane || o.plane->reach ||
+              std::none_of(o.motion.begin(), o.motion.end(),
+                           [](const Keyframe& k) { return k.rotate.angle != 0; }),
+          "a half-space can be moved but not turned; give plane.reach, which makes it a triangle");
 }
 
 template<class V>

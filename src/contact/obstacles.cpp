@@ -1,8 +1,11 @@
 #include "src/contact/obstacles.hpp"
 
 #include "io/mesh_file.hpp"
+#include "src/contact/closest.hpp"
+#include "src/contact/union_mesh.hpp"
 #include "src/state/pins.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +30,12 @@ std::vector<T> everywhere(MPI_Comm comm, const std::vector<T>& slab) {
 }
 
 std::string name_of(const config::Obstacle& o, int body) {
-  const char* kind = o.plane ? "plane" : o.sphere ? "sphere" : o.capsule ? "capsule" : o.box ? "box" : "mesh";
+  const char* kind = o.plane     ? "plane"
+                     : o.sphere  ? "sphere"
+                     : o.capsule ? "capsule"
+                     : o.box     ? "box"
+                     : o.joined  ? "union"
+                                 : "mesh";
   return o.name ? *o.name : fmt::format("obstacles.{} ({})", body, kind);
 }
 
@@ -91,7 +99,9 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
 
 void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
   const config::Obstacle& o = inputs_[body];
-  if (o.plane) {
+  if (o.plane && o.plane->reach) {
+    add_sheet(*o.plane, body);
+  } else if (o.plane) {
     planes_.push_back({add_vertex(body, o.plane->point), o.plane->normal.normalized(), body});
   } else if (o.sphere) {
     elements_.push_back({{add_vertex(body, o.sphere->centre), -1, -1}, 1, 0b000001, std::int16_t(body)});
@@ -111,9 +121,49 @@ void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
       triangles.push_back({first + s[0], first + s[2], first + s[3]});
     }
     add_triangles(triangles, body);
+  } else if (o.joined) {
+    add_union(comm, input, body);
   } else {
     add_mesh(comm, input, body);
   }
+}
+
+/// A half-space is seen by its normal, which must stay as it is during a step. What turns is a triangle
+/// instead, with equal sides and one of them level: the smallest shape without an edge inside, at which
+/// sliding cloth would catch. Its corners are as fast as it is large, so it is not made larger than asked
+/// for.
+void Obstacles::add_sheet(const config::Plane& plane, int body) {
+  const Vec3 normal = plane.normal.normalized(), level = Vec3::UnitZ().cross(normal);
+  const Vec3 x = level.isZero() ? Vec3(Vec3::UnitX()) : Vec3(level.normalized()), y = normal.cross(x);
+  const double reach = *plane.reach;
+  const Local a = add_vertex(body, plane.point - reach * (std::sqrt(3.0) * x + y));
+  const Local b = add_vertex(body, plane.point + reach * (std::sqrt(3.0) * x - y));
+  const Local c = add_vertex(body, plane.point + 2 * reach * y);
+  add_triangles(std::vector<std::array<Local, 3>>{{a, b, c}}, body);
+}
+
+/// Made by rank 0 for all, which so have the same to the last digit.
+void Obstacles::add_union(MPI_Comm comm, const Case& input, int body) {
+  const config::Union& joined = *input.obstacles[body].joined;
+  const double off_surface = 1e-3 * joined.edge;
+  UnionMesh mesh;
+  std::optional<std::string> fault;
+  if (rank_of(comm) == 0) {
+    mesh = mesh_union(joined);
+    const UnionDistance distance(joined);
+    for (const Vec3& x : mesh.positions)
+      if (!(std::abs(distance.at(x).distance) <= off_surface))
+        fault = fmt::format("{}: obstacles.{}.union: its surface could not be followed near ({:.4g}, {:.4g}, "
+                            "{:.4g}) m, where parts nearly touch; change edge or blend a little",
+                            input.file.string(), body, x[0], x[1], x[2]);
+  }
+  agree(comm, fault);
+  const Local first = vertices();
+  for (const Vec3& x : everywhere(comm, mesh.positions)) add_vertex(body, x);
+  std::vector<std::array<Local, 3>> triangles = everywhere(comm, mesh.triangles);
+  for (auto& triangle : triangles)
+    for (Local& v : triangle) v += first;
+  add_triangles(triangles, body);
 }
 
 void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
@@ -176,6 +226,21 @@ Mat3 Obstacles::turned(int body, double from, double to) const {
     return r;
   };
   return rotation(to) * rotation(from).transpose();
+}
+
+Obstacles::Nearest Obstacles::nearest(const Vec3& place, std::span<const Vec3> positions) const {
+  Nearest nearest;
+  const auto meet = [&](int body, double distance) {
+    distance -= bodies_[body].radius;
+    if (distance < nearest.distance) nearest = {body, distance};
+  };
+  for (const Plane& plane : planes_) meet(plane.body, plane.normal.dot(place - positions[plane.point]));
+  for (const Element& e : elements_) {
+    const Vec3 &a = positions[e.vertices[0]], &b = positions[e.vertices[e.corners > 1 ? 1 : 0]];
+    meet(e.body, e.is_triangle() ? closest_vertex_face({place, a, b, positions[e.vertices[2]]}).distance
+                                 : closest_edge_edge({place, place, a, b}).distance);
+  }
+  return nearest;
 }
 
 std::vector<Mat3> Obstacles::spins(double from, double to) const {

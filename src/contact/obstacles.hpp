@@ -2,6 +2,7 @@
 #include "src/config/case.hpp"
 #include "src/contact/surface.hpp"
 
+#include <cmath>
 #include <map>
 
 namespace taut {
@@ -44,6 +45,14 @@ public:
   /// The rotation of a body from one time to another, by its keyframes.
   Mat3 turned(int body, double from, double to) const;
 
+  struct Nearest {
+    int body = -1;
+    double distance =
+        HUGE_VAL; ///< m from its surface; negative inside of one with a radius, or behind a plane
+  };
+  /// The body nearest to a place, with the vertices of all at `positions` (m).
+  Nearest nearest(const Vec3& place, std::span<const Vec3> positions) const;
+
   /// How far the surfaces of all bodies turn away under their vertices, segments and triangles: for a body of
   /// the radius r, a place of its surface in the direction n from these moves by r S n in excess of them.
   std::vector<Mat3> spins(double from, double to) const;
@@ -63,6 +72,8 @@ private:
   };
   void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
+  void add_union(MPI_Comm comm, const Case& input, int body);
+  void add_sheet(const config::Plane& plane, int body);
   Local add_vertex(int body, const Vec3& position);
   void add_triangles(std::span<const std::array<Local, 3>> triangles, int body);
 

@@ -12,7 +12,7 @@ StrainGauge::StrainGauge(const Cloth& cloth, config::Constrain constrain) : clot
 Strain StrainGauge::measure(std::span<const Vec3> positions) const {
   double max = 0;
   std::array<double, 2> squares{}; // their sum, their number
-  for_each(positions, [&](double strain) {
+  for_each(positions, [&](double strain, std::span<const Local>) {
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
     squares[0] += strain * strain;
     squares[1] += 1;

@@ -13,15 +13,18 @@ public:
   /// `cloth` must outlive the gauge; metrics are of meshes of triangles alone. Not collective.
   StrainGauge(const Cloth& cloth, config::Constrain constrain);
 
-  /// Calls `visit(strain)` for all strains that this rank owns.
+  /// Calls `visit(strain, vertices)` for all strains that this rank owns: of the two vertices of an edge, or
+  /// around one.
   template<class Visit>
   void for_each(std::span<const Vec3> positions, Visit&& visit) const {
     if (!metric_) {
-      for (Local e = 0; e < cloth_.mesh.edges.owned; ++e) visit(strain_of(cloth_, positions, e));
+      for (Local e = 0; e < cloth_.mesh.edges.owned; ++e)
+        visit(strain_of(cloth_, positions, e), std::span<const Local>(cloth_.mesh.edge_vertices[e]));
       return;
     }
     for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-      for (const double g : metric_->at(i, positions)) visit(std::sqrt(g) - 1.0);
+      for (const double g : metric_->at(i, positions))
+        visit(std::sqrt(g) - 1.0, std::span<const Local>(&i, 1));
   }
 
   /// Over all ranks. Collective.

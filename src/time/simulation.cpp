@@ -7,6 +7,7 @@
 #include "src/filters/make_filter.hpp"
 #include "src/state/start.hpp"
 #include "src/time/make_forces.hpp"
+#include "src/time/where_strained.hpp"
 
 #include <fmt/format.h>
 
@@ -132,8 +133,8 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
       wasted += record.seconds;
       step_size_.rejected(dt);
       if (!step_size_.exhausted()) continue;
-      return {Ending::failed, fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}",
-                                          state_.time, dt, failure)};
+      return {Ending::failed, fmt::format("at t = {:.6g} s no step down to {:.3g} s could be accepted: {}{}",
+                                          state_.time, dt, failure, place_of_fault(record))};
     }
     step_size_.accepted();
     accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt, dt);
@@ -274,6 +275,14 @@ std::string Simulation::fault_of_stretch() const {
   if (change <= *max_stretch_change_) return "";
   return fmt::format("the stretch of warp or weft changes by {:.3g}, over time.max_stretch_change, {:g}",
                      change, *max_stretch_change_);
+}
+
+/// Where the strain of a rejected step is beyond the limit, in words.
+std::string Simulation::place_of_fault(const StepRecord& record) const {
+  if (!strain_limit_ || !(record.strain.max > *strain_limit_)) return "";
+  const std::string where =
+      where_strained(cloth_, gauge_, obstacles_, end_positions_, state_.time + record.dt);
+  return where.empty() ? "" : "; " + where;
 }
 
 void Simulation::accept(double time, double dt) {

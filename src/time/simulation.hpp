@@ -71,6 +71,7 @@ private:
   double carried(double force_density) const;
   std::string fault_of(const Strain& strain) const;
   std::string fault_of_stretch() const;
+  std::string place_of_fault(const StepRecord& record) const;
   bool limits_averages() const { return inextensibility_.constrain == config::Constrain::vertices; }
   void accept(double time, double dt);
   void measure(StepRecord& record) const;

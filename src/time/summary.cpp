@@ -86,7 +86,7 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
   t.phases += r.seconds;
-  simulation_.gauge().for_each(state.positions, [&](double strain) {
+  simulation_.gauge().for_each(state.positions, [&](double strain, std::span<const Local>) {
     const double bin = std::ceil(std::abs(strain) / t.strain_limit * bins);
     ++t.histogram[bin < bins ? int(bin) : bins];
   });
