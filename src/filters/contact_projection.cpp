@@ -1,6 +1,7 @@
 #include "src/filters/contact_projection.hpp"
 
 #include "partition/traffic.hpp"
+#include "src/filters/edge_constraints.hpp"
 #include "src/state/strain_gauge.hpp"
 
 #include <Eigen/Geometry>
@@ -37,9 +38,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
-      slack_(cloth, least_slack * thickness_.largest()),
-      compliance_(
-          limits_.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * limits_.strain, 1.5) / weight : 0.0)),
+      slack_(cloth, least_slack * thickness_.largest()), compliance_(compliance_of(limits_, weight)),
       gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
       inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
       residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
@@ -127,7 +126,8 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
     inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
   for (std::size_t e = 0; e < shift_.size(); ++e) {
-    shift_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
+    const auto& [a, b] = cloth_.mesh.edge_vertices[e];
+    shift_[e] = shift_of(cloth_.rest_length[e], compliance_, dt, inverse_mass_[a] + inverse_mass_[b]);
     tolerance_[e] = strain_left * limits_.strain * 2.0 * cloth_.rest_length[e];
   }
   for (std::size_t e = 0; e < mu_.size(); ++e)
