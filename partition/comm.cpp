@@ -63,37 +63,37 @@ void agree(MPI_Comm comm, const std::optional<std::string>& error) {
 
 namespace detail {
 
-Received<std::byte> exchange_bytes(MPI_Comm comm, std::span<const std::byte> items,
-                                   std::span<const int> counts, std::size_t item_size) {
+std::vector<Global> offsets_of_incoming(MPI_Comm comm, std::span<const int> counts) {
   const int ranks = size_of(comm);
   std::vector<int> incoming(ranks);
   MPI_Alltoall(counts.data(), 1, MPI_INT, incoming.data(), 1, MPI_INT, comm);
+  std::vector<Global> offsets(ranks + 1, 0);
+  for (int r = 0; r < ranks; ++r) offsets[r + 1] = offsets[r] + incoming[r];
+  return offsets;
+}
 
-  Received<std::byte> received;
-  received.offsets.assign(ranks + 1, 0);
-  for (int r = 0; r < ranks; ++r) received.offsets[r + 1] = received.offsets[r] + incoming[r];
-  received.items.resize(std::size_t(received.offsets[ranks]) * item_size);
-
+void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<const int> counts,
+                    std::span<std::byte> received, std::span<const Global> offsets, std::size_t item_size) {
   // Counting items, not bytes, keeps MPI's int counts valid for messages beyond 2 GiB.
   MPI_Datatype item;
   MPI_Type_contiguous(int(item_size), MPI_BYTE, &item);
   MPI_Type_commit(&item);
   std::vector<MPI_Request> requests;
   constexpr int tag = 101;
-  for (int r = 0; r < ranks; ++r) {
-    if (incoming[r] == 0) continue;
-    MPI_Irecv(received.items.data() + std::size_t(received.offsets[r]) * item_size, incoming[r], item, r, tag,
-              comm, &requests.emplace_back());
+  for (int r = 0; r < size_of(comm); ++r) {
+    const int count = int(offsets[r + 1] - offsets[r]);
+    if (count == 0) continue;
+    MPI_Irecv(received.data() + std::size_t(offsets[r]) * item_size, count, item, r, tag, comm,
+              &requests.emplace_back());
   }
   std::size_t at = 0;
-  for (int r = 0; r < ranks; ++r) {
+  for (int r = 0; r < size_of(comm); ++r) {
     if (counts[r] == 0) continue;
     MPI_Isend(items.data() + at, counts[r], item, r, tag, comm, &requests.emplace_back());
     at += std::size_t(counts[r]) * item_size;
   }
   MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
   MPI_Type_free(&item);
-  return received;
 }
 
 } // namespace detail

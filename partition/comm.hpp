@@ -60,8 +60,13 @@ struct Received {
 };
 
 namespace detail {
-Received<std::byte> exchange_bytes(MPI_Comm comm, std::span<const std::byte> items,
-                                   std::span<const int> counts, std::size_t item_size);
+/// How many items come from each rank, as offsets, if `counts` go to each.
+std::vector<Global> offsets_of_incoming(MPI_Comm comm, std::span<const int> counts);
+
+/// Sends `counts` items of `item_size` bytes to each rank; those of rank r go to `received` from offsets[r]
+/// on.
+void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<const int> counts,
+                    std::span<std::byte> received, std::span<const Global> offsets, std::size_t item_size);
 } // namespace detail
 
 /// Personalised exchange: sends `items[i]` to rank `destinations[i]`; the order among the items of one pair
@@ -77,12 +82,11 @@ Received<T> exchange(MPI_Comm comm, std::span<const T> items, std::span<const in
   for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
   std::vector<T> sorted(items.size());
   for (std::size_t i = 0; i < items.size(); ++i) sorted[at[destinations[i]]++] = items[i];
-  const auto bytes =
-      detail::exchange_bytes(comm, std::as_bytes(std::span<const T>(sorted)), counts, sizeof(T));
   Received<T> received;
-  received.items.resize(bytes.items.size() / sizeof(T));
-  std::copy(bytes.items.begin(), bytes.items.end(), reinterpret_cast<std::byte*>(received.items.data()));
-  received.offsets = bytes.offsets;
+  received.offsets = detail::offsets_of_incoming(comm, counts);
+  received.items.resize(std::size_t(received.offsets.back()));
+  detail::exchange_bytes(comm, std::as_bytes(std::span<const T>(sorted)), counts,
+                         std::as_writable_bytes(std::span(received.items)), received.offsets, sizeof(T));
   return received;
 }
 

@@ -296,8 +296,8 @@ private:
     mesh_.ends.resize(mesh_.star.back());
     std::vector<std::size_t> at(mesh_.star.begin(), mesh_.star.end() - 1);
     for (const Local e : by_original) {
-      mesh_.ends[at[edges[e][0]]++] = {e, edges[e][1], -1.0};
-      mesh_.ends[at[edges[e][1]]++] = {e, edges[e][0], +1.0};
+      mesh_.ends[at[edges[e][0]]++] = {e, edges[e][1], -1.0f};
+      mesh_.ends[at[edges[e][1]]++] = {e, edges[e][0], +1.0f};
     }
   }
 

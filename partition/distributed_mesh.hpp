@@ -32,7 +32,7 @@ inline std::array<Local, 6> vertices_of(const Hinge& h) {
 struct EdgeEnd {
   Local edge;
   Local other; ///< the vertex at the other end
-  double sign; ///< +1 if this vertex is the edge's second, -1 if its first
+  float sign;  ///< +1 if this vertex is the edge's second, -1 if its first
 };
 
 struct PartitionReport {

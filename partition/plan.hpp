@@ -76,8 +76,8 @@ public:
 
   /// Gives back the memory of the messages, for a plan that is used rarely.
   void release_buffers() const {
-    out_ = {};
-    in_ = {};
+    std::vector<std::byte>().swap(out_); // assigning {} would keep it
+    std::vector<std::byte>().swap(in_);
   }
 
   int neighbours() const { return int(receive_.ranks.size()); }

@@ -6,7 +6,7 @@ namespace taut {
 
 EdgeRows::EdgeRows(const Cloth& cloth, const config::Inextensibility& options, double weight)
     : constraints_(cloth, options, weight), system_(cloth.mesh, solver_options(options)),
-      residual_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {}
+      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {}
 
 void EdgeRows::start(const State&, double dt, const Freedom& freedom, const Candidate& candidate) {
   constraints_.start(dt, freedom);
@@ -18,8 +18,8 @@ double EdgeRows::evaluate(std::span<const Vec3> x) { return constraints_.evaluat
 SolveReport EdgeRows::solve(double tolerance) {
   system_.assemble(constraints_.gradients(), constraints_.inverse_mass(), constraints_.freedom(),
                    constraints_.shift());
-  constraints_.residual(mu_, residual_);
-  SolveReport report = system_.solve(residual_, tolerance, change_);
+  constraints_.residual(mu_, change_);
+  SolveReport report = system_.solve(change_, tolerance, change_);
   if (report.failure.empty())
     for (std::size_t e = 0; e < mu_.size(); ++e) mu_[e] += change_[e];
   return report;

@@ -31,7 +31,7 @@ public:
 private:
   EdgeConstraints constraints_;
   ProjectionSystem system_;
-  std::vector<double> residual_, change_, mu_;
+  std::vector<double> change_, mu_; ///< change_: first what is asked of the rows, then the answer
 };
 
 } // namespace taut

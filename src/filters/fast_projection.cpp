@@ -11,18 +11,19 @@ namespace taut {
 template<class Rows>
 FastProjection<Rows>::FastProjection(const Cloth& cloth, const config::Inextensibility& options,
                                      double weight)
-    : cloth_(cloth), options_(options), rows_(cloth, options, weight),
-      positions_(cloth.mesh.vertices.size()) {}
+    : cloth_(cloth), options_(options), rows_(cloth, options, weight) {}
 
 template<class Rows>
 FilterReport FastProjection<Rows>::apply(const State& start, double dt, const Freedom& freedom,
                                          Candidate& candidate) {
   FilterReport report;
   rows_.start(start, dt, freedom, candidate);
+  std::vector<Vec3>& positions = candidate.positions;
+  positions.resize(start.positions.size());
   for (;; ++report.iterations) {
-    for (std::size_t i = 0; i < positions_.size(); ++i)
-      positions_[i] = start.positions[i] + dt * candidate.velocities[i];
-    const double strain = rows_.evaluate(positions_);
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      positions[i] = start.positions[i] + dt * candidate.velocities[i];
+    const double strain = rows_.evaluate(positions);
     if (strain <= options_.strain && report.iterations > 0) break;
     if (!std::isfinite(strain) || report.iterations == options_.max_iterations) {
       report.failure = fmt::format("fast projection left a strain of {:.3g} after {} iterations (limit {:g})",

@@ -29,7 +29,6 @@ private:
   const Cloth& cloth_;
   config::Inextensibility options_;
   Rows rows_;
-  std::vector<Vec3> positions_;
 };
 
 } // namespace taut

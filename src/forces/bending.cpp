@@ -30,35 +30,45 @@ std::array<double, 3> curvature_weights(double l1, double l2) {
 
 YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, Threads threads,
                          const PerPiece<double>& stiffness, const PerPiece<double>& damping)
-    : name_(threads == Threads::all ? "bending" : "line_bending"), cloth_(cloth) {
+    : name_(threads == Threads::all ? "bending" : "line_bending"), cloth_(cloth), stiffness_(stiffness),
+      damping_(damping) {
   const DistributedMesh& mesh = cloth.mesh;
   const auto sides = threads == Threads::lines ? sides_of_faces(mesh) : std::set<std::pair<Local, Local>>();
-  const auto& rest = mesh.rest_positions;
   stencils_.reserve(mesh.triples.size());
-  for (const auto& t : mesh.triples) {
-    const std::size_t piece = cloth.piece_of(t[1]);
-    if (!stiffness.of(piece)) continue;
+  for (std::size_t k = 0; k < mesh.triples.size(); ++k) {
+    const auto& t = mesh.triples[k];
+    if (!stiffness.of(cloth.piece_of(t[1]))) continue;
     // Yarns and chains of lines never join, so one edge, of a cell this rank knows, tells for both.
     if (sides.contains(std::minmax({t[0], t[1]})) || sides.contains(std::minmax({t[1], t[2]}))) continue;
-    auto weights = curvature_weights((rest[t[1]] - rest[t[0]]).norm(), (rest[t[2]] - rest[t[1]]).norm());
-    for (double& w : weights) w *= std::sqrt(*stiffness.of(piece) * cloth.measure[t[1]]);
-    stencils_.push_back({t, weights, pattern.slots<3>(t), damping.of(piece).value_or(0)});
+    stencils_.push_back({Local(k), pattern.slots<3>(t)});
   }
+}
+
+std::array<double, 3> YarnBending::weights_of(const std::array<Local, 3>& t) const {
+  const auto& rest = cloth_.mesh.rest_positions;
+  auto weights = curvature_weights((rest[t[1]] - rest[t[0]]).norm(), (rest[t[2]] - rest[t[1]]).norm());
+  const double scale = std::sqrt(*stiffness_.of(cloth_.piece_of(t[1])) * cloth_.measure[t[1]]);
+  for (double& w : weights) w *= scale;
+  return weights;
 }
 
 double YarnBending::energy(const State& state) const {
   double energy = 0;
-  for (const Stencil& s : stencils_)
-    if (cloth_.mesh.owns_vertex(s.vertices[1]))
-      energy += 0.5 * weighted_sum(s.vertices, s.weights, state.positions).squaredNorm();
+  for (const Stencil& s : stencils_) {
+    const auto& t = cloth_.mesh.triples[s.triple];
+    if (cloth_.mesh.owns_vertex(t[1]))
+      energy += 0.5 * weighted_sum(t, weights_of(t), state.positions).squaredNorm();
+  }
   return energy;
 }
 
 void YarnBending::add_to(StepSystem& system, const State& state) const {
   for (const Stencil& s : stencils_) {
-    const Vec3 sum = weighted_sum(s.vertices, s.weights, state.positions);
-    for (int k = 0; k < 3; ++k) system.add_force(s.vertices[k], -s.weights[k] * sum);
-    system.add_outer<3>(s.vertices, s.slots, s.weights, 1.0, s.damping);
+    const auto& t = cloth_.mesh.triples[s.triple];
+    const auto weights = weights_of(t);
+    const Vec3 sum = weighted_sum(t, weights, state.positions);
+    for (int k = 0; k < 3; ++k) system.add_force(t[k], -weights[k] * sum);
+    system.add_outer<3>(t, s.slots, weights, 1.0, damping_.of(cloth_.piece_of(t[1])).value_or(0));
   }
 }
 

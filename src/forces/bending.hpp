@@ -23,15 +23,17 @@ public:
   void add_to(StepSystem& system, const State& state) const override;
 
 private:
+  /// What else it is made of is made again when it is needed: that takes less time than to read it.
   struct Stencil {
-    std::array<Local, 3> vertices; ///< before, centre, after
-    std::array<double, 3> weights; ///< E = 1/2 |sum w x|^2
-    std::array<std::int32_t, 9> slots;
-    double damping;
+    Local triple; ///< of the mesh
+    Pattern::Slots<3> slots;
   };
+
+  std::array<double, 3> weights_of(const std::array<Local, 3>& triple) const; ///< E = 1/2 |sum w x|^2
 
   std::string_view name_;
   const Cloth& cloth_;
+  PerPiece<double> stiffness_, damping_;
   std::vector<Stencil> stencils_;
 };
 

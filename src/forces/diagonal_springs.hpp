@@ -25,7 +25,7 @@ private:
     double length;    ///< L, m
     double stiffness; ///< k / L^2, N/m
     double damping;   ///< s
-    std::array<std::int32_t, 4> slots;
+    Pattern::Slots<2> slots;
   };
 
   const Cloth& cloth_;

@@ -21,7 +21,7 @@ private:
   struct Stencil {
     std::array<Local, n> vertices;
     std::array<double, n> weights; ///< E = 1/2 |sum w x|^2
-    std::array<std::int32_t, n * n> slots;
+    Pattern::Slots<n> slots;
     double damping;
 
     Vec3 sum(std::span<const Vec3> x) const {

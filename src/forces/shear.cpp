@@ -15,6 +15,12 @@ std::array<Vec3, 4> corners(const std::array<Local, 4>& v, std::span<const Vec3>
   return {x[v[0]], x[v[1]], x[v[2]], x[v[3]]};
 }
 
+std::array<Local, 4> corners_of(const LocalCell& cell) {
+  auto v = cell.vertices;
+  if (cell.size() == 3) v[3] = v[0];
+  return v;
+}
+
 Vec3 weighted_sum(const std::array<double, 4>& c, const std::array<Vec3, 4>& x) {
   return c[0] * x[0] + c[1] * x[1] + c[2] * x[2] + c[3] * x[3];
 }
@@ -43,46 +49,52 @@ ShearValue evaluate(const ShearStencil& s, const std::array<Vec3, 4>& x) {
 
 Shear::Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
              const PerPiece<double>& damping)
-    : cloth_(cloth) {
+    : cloth_(cloth), stiffness_(stiffness), damping_(damping) {
   const DistributedMesh& mesh = cloth.mesh;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    auto v = mesh.cells[c].vertices;
-    const std::size_t piece = cloth.piece_of(v[0]);
-    if (mesh.cells[c].size() == 2 || !stiffness.of(piece)) continue;
-    const bool quad = mesh.cells[c].size() == 4;
-    if (!quad) v[3] = v[0];
-    const auto p = corners(v, mesh.rest_positions);
-    const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
-    elements_.push_back({v,
-                         quad ? quad_shear_stencil(p) : triangle_shear_stencil(material_coordinates(mesh, c)),
-                         *stiffness.of(piece) * area, damping.of(piece).value_or(0), pattern.slots<4>(v)});
-  }
+  elements_.reserve(mesh.cells.size());
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.cells[c].size() > 2 && stiffness.of(cloth.piece_of(mesh.cells[c].vertices[0])))
+      elements_.push_back({Local(c), pattern.slots<4>(corners_of(mesh.cells[c]))});
+}
+
+Shear::Face Shear::face(Local cell) const {
+  const DistributedMesh& mesh = cloth_.mesh;
+  const auto v = corners_of(mesh.cells[cell]);
+  const auto p = corners(v, mesh.rest_positions);
+  const bool quad = mesh.cells[cell].size() == 4;
+  const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
+  const std::size_t piece = cloth_.piece_of(v[0]);
+  return {
+      v, quad ? quad_shear_stencil(p) : triangle_shear_stencil(material_coordinates(mesh, std::size_t(cell))),
+      *stiffness_.of(piece) * area, damping_.of(piece).value_or(0)};
 }
 
 double Shear::energy(const State& state) const {
   double energy = 0;
-  for (const Element& e : elements_) {
-    if (!cloth_.mesh.owns_vertex(e.vertices[0])) continue;
-    const double c = evaluate(e.stencil, corners(e.vertices, state.positions)).condition;
-    energy += 0.5 * e.stiffness * c * c;
+  for (const Element& element : elements_) {
+    if (!cloth_.mesh.owns_vertex(cloth_.mesh.cells[element.cell].vertices[0])) continue;
+    const Face f = face(element.cell);
+    const double c = evaluate(f.stencil, corners(f.vertices, state.positions)).condition;
+    energy += 0.5 * f.stiffness * c * c;
   }
   return energy;
 }
 
 void Shear::add_to(StepSystem& system, const State& state) const {
-  for (const Element& e : elements_) {
-    const auto [c, gradient] = evaluate(e.stencil, corners(e.vertices, state.positions));
+  for (const Element& element : elements_) {
+    const Face f = face(element.cell);
+    const auto [c, gradient] = evaluate(f.stencil, corners(f.vertices, state.positions));
     double rate = 0;
     for (int k = 0; k < 4; ++k) {
-      system.add_force(e.vertices[k], -e.stiffness * c * gradient[k]);
-      rate += gradient[k].dot(state.velocities[e.vertices[k]]);
+      system.add_force(f.vertices[k], -f.stiffness * c * gradient[k]);
+      rate += gradient[k].dot(state.velocities[f.vertices[k]]);
     }
-    system.add_rank_one(e.vertices, gradient, e.stiffness, e.stiffness * e.damping);
-    // f (c_u c_v^T + c_v c_u^T) = f/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
-    const double f = e.stiffness * (c + e.damping * rate);
+    system.add_rank_one(f.vertices, gradient, f.stiffness, f.stiffness * f.damping);
+    // t (c_u c_v^T + c_v c_u^T) = t/2 (s s^T - d d^T), s = c_u + c_v, d = c_u - c_v
+    const double t = f.stiffness * (c + f.damping * rate);
     std::array<double, 4> half;
-    for (int k = 0; k < 4; ++k) half[k] = e.stencil.c_u[k] + (f > 0 ? e.stencil.c_v[k] : -e.stencil.c_v[k]);
-    system.add_outer<4>(e.vertices, e.slots, half, 0.5 * std::abs(f), 0.0);
+    for (int k = 0; k < 4; ++k) half[k] = f.stencil.c_u[k] + (t > 0 ? f.stencil.c_v[k] : -f.stencil.c_v[k]);
+    system.add_outer<4>(f.vertices, element.slots, half, 0.5 * std::abs(t), 0.0);
   }
 }
 

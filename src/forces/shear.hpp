@@ -40,15 +40,22 @@ public:
   void add_to(StepSystem& system, const State& state) const override;
 
 private:
+  /// What else it is made of is made again when it is needed: that takes less time than to read it.
   struct Element {
+    Local cell; ///< of the mesh
+    Pattern::Slots<4> slots;
+  };
+  struct Face {
     std::array<Local, 4> vertices; ///< of a triangle, the first one again
     ShearStencil stencil;
     double stiffness; ///< G A
     double damping;   ///< s
-    std::array<std::int32_t, 16> slots;
   };
 
+  Face face(Local cell) const;
+
   const Cloth& cloth_;
+  PerPiece<double> stiffness_, damping_;
   std::vector<Element> elements_;
 };
 

@@ -19,7 +19,7 @@ public:
 private:
   struct Element {
     Local edge;
-    std::array<std::int32_t, 4> slots;
+    Pattern::Slots<2> slots;
     double damping; ///< s
   };
 

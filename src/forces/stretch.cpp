@@ -49,19 +49,20 @@ std::array<std::array<double, 3>, 2> tangent_coefficients(const Corners2& m) {
       {{(one[1] - two[1]) / d, two[1] / d, -one[1] / d}, {(two[0] - one[0]) / d, -two[0] / d, one[0] / d}}};
 }
 
-std::vector<Tangent> tangents_of(const Cloth& cloth) {
+void append_tangents(const Cloth& cloth, std::size_t cell, std::vector<Tangent>& tangents) {
   const DistributedMesh& mesh = cloth.mesh;
-  std::vector<Tangent> tangents;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const LocalCell& cell = mesh.cells[c];
-    if (cell.size() == 2) {
-      const auto& v = cell.vertices;
-      const double length = (mesh.rest_positions[v[1]] - mesh.rest_positions[v[0]]).norm();
-      append_side(v[0], v[1], length, length, 0, c, tangents);
-    } else {
-      cell.size() == 3 ? append_triangle(mesh, c, tangents) : append_quad(mesh, c, tangents);
-    }
+  if (mesh.cells[cell].size() == 2) {
+    const auto& v = mesh.cells[cell].vertices;
+    const double length = (mesh.rest_positions[v[1]] - mesh.rest_positions[v[0]]).norm();
+    append_side(v[0], v[1], length, length, 0, cell, tangents);
+  } else {
+    mesh.cells[cell].size() == 3 ? append_triangle(mesh, cell, tangents) : append_quad(mesh, cell, tangents);
   }
+}
+
+std::vector<Tangent> tangents_of(const Cloth& cloth) {
+  std::vector<Tangent> tangents;
+  for (std::size_t c = 0; c < cloth.mesh.cells.size(); ++c) append_tangents(cloth, c, tangents);
   return tangents;
 }
 

@@ -45,7 +45,7 @@ private:
     double stiffness; ///< k a
     double target;    ///< b
     double damping;   ///< s
-    std::array<std::int32_t, 9> slots;
+    Pattern::Slots<3> slots;
   };
 
   const Cloth& cloth_;
@@ -61,6 +61,9 @@ struct Tangent {
   std::size_t cell;
 };
 std::vector<Tangent> tangents_of(const Cloth& cloth);
+
+/// The same of one local cell, behind those that are there.
+void append_tangents(const Cloth& cloth, std::size_t cell, std::vector<Tangent>& tangents);
 
 inline Vec3 tangent(const TangentStencil& s, std::span<const Vec3> x) {
   return s.c[0] * x[s.vertices[0]] + s.c[1] * x[s.vertices[1]] + s.c[2] * x[s.vertices[2]];

@@ -28,6 +28,11 @@ void FilteredOperator::apply(std::span<const Vec3> x, std::span<Vec3> y) const {
                                 : Vec3(freedom_->allowed(i, y_[i]) + scale(i) * freedom_->denied(i, x[i]));
 }
 
+std::span<const Vec3> FilteredOperator::unfiltered_product(std::span<const Vec3> x) const {
+  matrix_->multiply(x, y_);
+  return y_;
+}
+
 Mat3 FilteredOperator::filtered(Local row, Local column, const Mat3& block) const {
   if (freedom_->is_free(row) && freedom_->is_free(column)) return block;
   const Mat3 s = freedom_->projector(row);

@@ -16,6 +16,10 @@ public:
   /// y = (S A S + d (I - S)) x over owned vertices. Collective over neighbours.
   void apply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
+  /// A x over local vertices, of which the owned part is meaningful: nothing left out. `x` over local
+  /// vertices, ghosts current. Valid until the next product.
+  std::span<const Vec3> unfiltered_product(std::span<const Vec3> x) const;
+
   /// The diagonal blocks and their inverses, of held vertices the identity; over owned
   /// vertices.
   void diagonal_blocks(std::span<Mat3> blocks) const;

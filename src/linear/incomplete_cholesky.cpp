@@ -42,7 +42,7 @@ void IncompleteCholesky::collect(const SparseRows& rows, std::span<const double>
   for (Local row = 0; row < rows.size(); ++row)
     for (const Local column : rows.columns(row)) {
       if (column < row)
-        *next++ = *value;
+        *next++ = float(*value);
       else if (column == row)
         diagonal_[row] = *value;
       ++value;
@@ -64,11 +64,11 @@ bool IncompleteCholesky::eliminate() {
         else if (columns_[m] < columns_[k])
           ++m;
         else {
-          sum -= lower_[k] * lower_[m] * diagonal_[columns_[k]];
+          sum -= double(lower_[k]) * lower_[m] * diagonal_[columns_[k]];
           ++k, ++m;
         }
       }
-      lower_[a] = sum / diagonal_[j];
+      lower_[a] = float(sum / diagonal_[j]);
       pivot -= lower_[a] * sum;
     }
     if (pivot < smallest_pivot * diagonal_[i]) return false;
@@ -81,13 +81,13 @@ void IncompleteCholesky::solve(std::span<const Vec3> b, std::span<Vec3> x) const
   const Local rows = Local(diagonal_.size());
   for (Local i = 0; i < rows; ++i) {
     Vec3 sum = b[i];
-    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) sum -= lower_[a] * x[columns_[a]];
+    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) sum -= double(lower_[a]) * x[columns_[a]];
     x[i] = sum;
   }
   for (Local i = 0; i < rows; ++i) x[i] /= diagonal_[i];
   for (Local i = rows; i-- > 0;) {
     const Vec3 solved = x[i];
-    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) x[columns_[a]] -= lower_[a] * solved;
+    for (std::int32_t a = offsets_[i]; a < offsets_[i + 1]; ++a) x[columns_[a]] -= double(lower_[a]) * solved;
   }
 }
 

@@ -31,7 +31,7 @@ private:
 
   std::vector<std::int32_t> offsets_{0}; ///< rows of the strictly lower triangle
   std::vector<Local> columns_;
-  std::vector<double> lower_;
+  std::vector<float> lower_;     ///< of L; in single precision, as a solve does little but read it
   std::vector<double> diagonal_; ///< D; in `factor`, first the matrix's own diagonal
 };
 

@@ -60,13 +60,12 @@ SolveReport modified_cg(const DistributedMesh& mesh, const VertexMatrix& matrix,
   return report;
 }
 
-std::vector<Vec3> constraint_impulse(const VertexMatrix& matrix, std::span<const Vec3> rhs,
-                                     const Freedom& freedom, std::span<const Vec3> v) {
-  std::vector<Vec3> impulse(v.size());
+void constraint_impulse(const VertexMatrix& matrix, std::span<const Vec3> rhs, const Freedom& freedom,
+                        std::span<const Vec3> v, std::vector<Vec3>& impulse) {
+  impulse.resize(v.size());
   matrix.multiply(v, impulse);
   impulse.resize(matrix.pattern().rows());
   for (Local i = 0; i < Local(impulse.size()); ++i) impulse[i] = freedom.denied(i, impulse[i] - rhs[i]);
-  return impulse;
 }
 
 } // namespace taut

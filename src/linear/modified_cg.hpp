@@ -18,8 +18,8 @@ SolveReport modified_cg(const DistributedMesh& mesh, const VertexMatrix& matrix,
 
 /// What holds the vertices where they are held: (I - S) (A v - b) over owned vertices, for a solution v with
 /// current ghosts. Of a step of h seconds it is the impulse h f of the constraint force f [BW98 section 5.3].
-/// Not collective.
-std::vector<Vec3> constraint_impulse(const VertexMatrix& matrix, std::span<const Vec3> rhs,
-                                     const Freedom& freedom, std::span<const Vec3> v);
+/// Collective over neighbours if the matrix has far terms.
+void constraint_impulse(const VertexMatrix& matrix, std::span<const Vec3> rhs, const Freedom& freedom,
+                        std::span<const Vec3> v, std::vector<Vec3>& impulse);
 
 } // namespace taut

@@ -48,4 +48,11 @@ std::int64_t Pattern::slot(Local row, Local column) const {
   return std::lower_bound(begin, end, column) - columns_.begin();
 }
 
+std::uint16_t Pattern::slot_in_row(Local row, Local column) const {
+  const std::int64_t place = slot(row, column) - offsets_[row];
+  if (place > std::numeric_limits<std::uint16_t>::max())
+    throw std::runtime_error("a vertex of the mesh has more than 65 535 neighbours");
+  return std::uint16_t(place);
+}
+
 } // namespace taut

@@ -23,16 +23,24 @@ public:
   std::int64_t slot(Local row, Local column) const;
   std::int64_t diagonal(Local row) const { return diagonal_[row]; }
 
-  /// The slots of all pairs of a stencil's vertices, row by row.
+  /// Where the entries of all pairs of a stencil's vertices are kept, row by row, counted from the first
+  /// entry of their rows: there are many stencils, and rows are short. Of rows of other ranks, nothing.
   template<std::size_t n>
-  std::array<std::int32_t, n * n> slots(const std::array<Local, n>& vertices) const {
-    std::array<std::int32_t, n * n> result;
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) result[a * n + b] = std::int32_t(slot(vertices[a], vertices[b]));
+  using Slots = std::array<std::uint16_t, n * n>;
+
+  template<std::size_t n>
+  Slots<n> slots(const std::array<Local, n>& vertices) const {
+    Slots<n> result{};
+    for (std::size_t a = 0; a < n; ++a) {
+      if (vertices[a] >= rows()) continue;
+      for (std::size_t b = 0; b < n; ++b) result[a * n + b] = slot_in_row(vertices[a], vertices[b]);
+    }
     return result;
   }
 
 private:
+  std::uint16_t slot_in_row(Local row, Local column) const;
+
   std::vector<std::int64_t> offsets_{0};
   std::vector<Local> columns_;
   std::vector<std::int32_t> diagonal_;

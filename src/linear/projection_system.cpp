@@ -18,12 +18,15 @@ struct SplitRows {
     std::vector<double> values;
   };
   Part own, ghost;
-  /// Of each row: the star of its first vertex, then of its second, without itself. A place in `own.values`,
-  /// or if negative, -1 - a place in `ghost.values`.
-  std::vector<PetscInt> coupling;
-  std::vector<PetscInt> diagonal;
+  /// A place in a row of `own`, or if negative, -1 - a place in the row of `ghost`.
+  using Place = std::int16_t;
+  /// Of each row: the star of its first vertex, then of its second, without itself.
+  std::vector<Place> coupling;
+  std::vector<Place> diagonal;
 
-  double& value(PetscInt place) { return place >= 0 ? own.values[place] : ghost.values[-1 - place]; }
+  double& value(Local row, Place place) {
+    return place >= 0 ? own.values[own.offsets[row] + place] : ghost.values[ghost.offsets[row] - 1 - place];
+  }
 };
 
 PetscInt checked(Global number) {
@@ -60,16 +63,19 @@ void append_row(const DistributedMesh& mesh, Local edge, SplitRows& rows) {
   append(ghost, rows.ghost);
 }
 
-PetscInt place_in(const SplitRows::Part& part, Local row, PetscInt column) {
+SplitRows::Place place_in(const SplitRows::Part& part, Local row, PetscInt column) {
   const auto begin = part.columns.begin() + part.offsets[row],
              end = part.columns.begin() + part.offsets[row + 1];
-  return PetscInt(std::lower_bound(begin, end, column) - part.columns.begin());
+  const auto place = std::lower_bound(begin, end, column) - begin;
+  if (place > std::numeric_limits<SplitRows::Place>::max())
+    throw std::runtime_error("an edge of the mesh meets more than 32 767 others");
+  return SplitRows::Place(place);
 }
 
-/// The place of (edge, other) as in SplitRows::coupling.
-PetscInt place_of(const DistributedMesh& mesh, const SplitRows& rows, Local edge, Local other) {
-  return mesh.owns_edge(other) ? place_in(rows.own, edge, other)
-                               : -1 - place_in(rows.ghost, edge, PetscInt(mesh.edges.global(other)));
+/// Of (edge, other).
+SplitRows::Place place_of(const DistributedMesh& mesh, const SplitRows& rows, Local edge, Local other) {
+  if (mesh.owns_edge(other)) return place_in(rows.own, edge, other);
+  return SplitRows::Place(-1 - place_in(rows.ghost, edge, PetscInt(mesh.edges.global(other))));
 }
 
 SplitRows pattern_of(const DistributedMesh& mesh) {
@@ -86,22 +92,23 @@ SplitRows pattern_of(const DistributedMesh& mesh) {
   return rows;
 }
 
-/// The couplings along yarns: where they are in the rows, and where in a YarnTridiagonal.
+/// The couplings along yarns, from segment to segment: where they are in the rows, and where in a
+/// YarnTridiagonal. (Inside a segment, edge e - 1 stands before e in the row of e.)
 struct YarnLinks {
   struct Link {
-    PetscInt place;
-    Local target;
+    Local row;
+    SplitRows::Place place;
+    Local knot;
   };
-  std::vector<Link> inside, between; ///< to `to_previous`, to `to_segment_before`
+  std::vector<Link> between; ///< to `to_segment_before`
 };
 
 YarnLinks links_of(const DistributedMesh& mesh, const Yarns& yarns, const SplitRows& rows) {
   YarnLinks links;
-  for (Local e = 0; e < mesh.edges.owned; ++e)
-    if (mesh.continues_yarn[e]) links.inside.push_back({place_in(rows.own, e, e - 1), e});
   for (std::size_t k = 0; k < yarns.knots.size(); ++k)
     if (yarns.before_knot[k] >= 0)
-      links.between.push_back({place_of(mesh, rows, yarns.knots[k], yarns.before_knot[k]), Local(k)});
+      links.between.push_back(
+          {yarns.knots[k], place_of(mesh, rows, yarns.knots[k], yarns.before_knot[k]), Local(k)});
   return links;
 }
 
@@ -133,11 +140,14 @@ struct ProjectionSystem::Petsc {
   SolveReport solve(const DistributedMesh& mesh, Mat system, std::span<const double> b, double tolerance,
                     std::vector<double>& mu);
 
-  void update_blocks() {
-    for (std::size_t e = 0; e < rows.diagonal.size(); ++e)
-      blocks.matrix.diagonal[e] = rows.value(rows.diagonal[e]);
-    for (const auto& [place, edge] : links.inside) blocks.matrix.to_previous[edge] = rows.value(place);
-    for (const auto& [place, knot] : links.between) blocks.matrix.to_segment_before[knot] = rows.value(place);
+  void update_blocks(const DistributedMesh& mesh) {
+    for (Local e = 0; e < mesh.edges.owned; ++e) {
+      blocks.matrix.diagonal[e] = rows.value(e, rows.diagonal[e]);
+      if (mesh.continues_yarn[e])
+        blocks.matrix.to_previous[e] = rows.value(e, SplitRows::Place(rows.diagonal[e] - 1));
+    }
+    for (const auto& [row, place, knot] : links.between)
+      blocks.matrix.to_segment_before[knot] = rows.value(row, place);
   }
 
   void mark() {
@@ -175,9 +185,9 @@ void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const 
     const Vec3 at_a = inverse_mass[a] * freedom.allowed(a, row_gradient[e]),
                at_b = inverse_mass[b] * freedom.allowed(b, row_gradient[e]); // a row of J W
     const bool can_change = !at_a.isZero(0) || !at_b.isZero(0);
-    rows.value(rows.diagonal[e]) = can_change ? (at_a + at_b).dot(column_gradient[e]) + shift[e] : 1.0;
+    rows.value(e, rows.diagonal[e]) = can_change ? (at_a + at_b).dot(column_gradient[e]) + shift[e] : 1.0;
     for_each_coupling(mesh, e, [&, a = a](Local vertex, Local other, double sign) {
-      rows.value(*coupling++) += sign * (vertex == a ? at_a : at_b).dot(column_gradient[other]);
+      rows.value(e, *coupling++) += sign * (vertex == a ? at_a : at_b).dot(column_gradient[other]);
     });
   }
 }
@@ -191,7 +201,7 @@ void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const 
                                 const Freedom& freedom, std::span<const double> shift) {
   Petsc& p = *petsc_;
   p.fill(mesh_, gradient, gradient, inverse_mass, freedom, shift);
-  p.update_blocks();
+  p.update_blocks(mesh_);
   p.mark();
 }
 
@@ -200,7 +210,7 @@ void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3
                                 std::span<const double> shift) {
   Petsc& p = *petsc_;
   p.fill(mesh_, columns, columns, inverse_mass, freedom, shift);
-  p.update_blocks();
+  p.update_blocks(mesh_);
   p.fill(mesh_, rows, columns, inverse_mass, freedom, shift);
   p.mark();
 }

@@ -36,7 +36,7 @@ public:
                 std::span<const double> inverse_mass, const Freedom& freedom, std::span<const double> shift);
 
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural
-  /// norm. `rhs` holds owned edges. Collective.
+  /// norm. `rhs` holds owned edges; it may be `mu`. Collective.
   SolveReport solve(std::span<const double> rhs, double tolerance, std::vector<double>& mu);
 
   /// product = A mu over owned edges; may be collective.

@@ -63,9 +63,9 @@ public:
   /// K += k w w^T (x) I_3 and D += d w w^T (x) I_3 over a stencil of vertices with their slots; k in N/m, d
   /// in N s/m, for w without a unit.
   template<std::size_t n>
-  void add_outer(const std::array<Local, n>& vertices, const std::array<std::int32_t, n * n>& slots,
+  void add_outer(const std::array<Local, n>& vertices, const Pattern::Slots<n>& slots,
                  const std::array<double, n>& w, double k, double d) {
-    matrix_.add_outer<n>(slots, w, stiffness_factor_ * k + dt_ * d);
+    matrix_.add_outer<n>(vertices, slots, w, stiffness_factor_ * k + dt_ * d);
     if (alteration_.empty()) return;
     Vec3 sum = Vec3::Zero();
     for (std::size_t a = 0; a < n; ++a) sum += w[a] * alteration_[vertices[a]];

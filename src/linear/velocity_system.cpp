@@ -27,10 +27,9 @@ struct VelocitySystem::Petsc {
   OwnedVec rhs, solution;
   LinearSolver solver;
   std::unique_ptr<AssembledMatrix> assembled; ///< only where the solver needs one
-  std::vector<Vec3> product;                  ///< A v, over local vertices
 
   Petsc(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options, const char* name)
-      : unassembled(mesh, pattern), solver(mesh.comm, name, options, "axis"), product(mesh.vertices.size()) {
+      : unassembled(mesh, pattern), solver(mesh.comm, name, options, "axis") {
     check(MatCreateVecs(unassembled, solution.address(), rhs.address()));
     if (!works_unassembled(solver)) assembled = std::make_unique<AssembledMatrix>(mesh, pattern);
     const bool factorises = options.kind == SolverOptions::Kind::mumps;
@@ -38,12 +37,11 @@ struct VelocitySystem::Petsc {
                           assembled ? Mat(*assembled) : Mat(unassembled)));
   }
 
-  void start_residual(const VertexMatrix& matrix, std::span<const Vec3> b, const Freedom& freedom,
-                      std::span<const Vec3> v) {
-    matrix.multiply(v, product);
+  void start_residual(std::span<const Vec3> b, const Freedom& freedom, std::span<const Vec3> v) {
+    const auto product = unassembled.filtered().unfiltered_product(v);
     double* values = nullptr;
     check(VecGetArrayWrite(rhs, &values));
-    for (Local i = 0; i < matrix.pattern().rows(); ++i)
+    for (Local i = 0; i < unassembled.filtered().matrix().pattern().rows(); ++i)
       Eigen::Map<Vec3>(values + 3 * i) = freedom.allowed(i, b[i] - product[i]);
     check(VecRestoreArrayWrite(rhs, &values));
   }
@@ -73,7 +71,7 @@ SolveReport VelocitySystem::solve(const VertexMatrix& matrix, std::span<const Ve
   if (p.assembled) p.assembled->assemble(p.unassembled.filtered());
 
   // The change of velocity is solved for, so that "relative" means relative to what the step changes.
-  p.start_residual(matrix, rhs, freedom, v);
+  p.start_residual(rhs, freedom, v);
   const SolveReport report = p.solver.solve(p.rhs, p.solution, tolerance);
   p.add_solution(freedom, std::span(v).first(mesh_.vertices.owned));
   mesh_.vertex_halo.update(v);

@@ -43,10 +43,12 @@ public:
   /// B += value w w^T over a stencil's vertices, whose slots are `pattern.slots(vertices)`. Rows of ghosts
   /// are dropped.
   template<std::size_t n>
-  void add_outer(const std::array<std::int32_t, n * n>& slots, const std::array<double, n>& w, double value) {
+  void add_outer(const std::array<Local, n>& vertices, const Pattern::Slots<n>& slots,
+                 const std::array<double, n>& w, double value) {
     for (std::size_t a = 0; a < n; ++a) {
-      if (slots[a * n] < 0) continue;
-      for (std::size_t b = 0; b < n; ++b) values_[slots[a * n + b]] += value * w[a] * w[b];
+      if (vertices[a] >= pattern_.rows()) continue;
+      double* const row = values_.data() + pattern_.offset(vertices[a]);
+      for (std::size_t b = 0; b < n; ++b) row[slots[a * n + b]] += value * w[a] * w[b];
     }
   }
 

@@ -1,5 +1,7 @@
 #include "src/linear/yarn_factor.hpp"
 
+#include <algorithm>
+
 namespace taut {
 
 YarnFactor::YarnFactor(const Yarns& yarns)
@@ -7,7 +9,8 @@ YarnFactor::YarnFactor(const Yarns& yarns)
       owned_values_(yarns.owned_knots) {
   const std::size_t edges = yarns.segments.empty() ? 0 : yarns.segments.back().end;
   lower_.assign(edges, 0.0);
-  to_begin_.assign(edges, 0.0);
+  if (std::any_of(yarns.segments.begin(), yarns.segments.end(), [](const YarnSegment& s) { return s.cut; }))
+    to_begin_.assign(edges, 0.0);
   inverse_diagonal_.assign(edges, 0.0);
 }
 

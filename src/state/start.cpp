@@ -3,6 +3,7 @@
 #include "io/mesh_file.hpp"
 #include "io/obj.hpp"
 #include "partition/grid.hpp"
+#include "src/config/methods.hpp"
 
 #include <Eigen/Geometry>
 
@@ -98,12 +99,14 @@ State start_state(const Cloth& cloth, const Case& input) {
   State state;
   state.positions = start_positions(cloth, input);
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
-  state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.force_density.assign(mesh.edges.size(), 0.0);
-  state.stress.assign(mesh.vertices.size(), Vec2::Zero());
-  state.pulled.assign(mesh.edges.size(), 0.0);
   state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
+  if (config::constrain_of(input, mesh.triangles_only) == config::Constrain::vertices)
+    state.stress.assign(mesh.vertices.size(), Vec2::Zero());
+  if (!input.has_contact()) return state;
+  state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
   state.pressing.assign(mesh.vertices.owned, Vec3::Zero());
+  state.pulled.assign(mesh.edges.size(), 0.0);
   return state;
 }
 

@@ -59,6 +59,14 @@ public:
   void on_edges(const char* name, const std::vector<T>& field) {
     write_field<T>(name, mesh_.edge_order, field);
   }
+  template<class T>
+  void on_vertices_if_any(const char* name, const std::vector<T>& field) {
+    if (any_of(mesh_.comm, !field.empty())) on_vertices(name, field);
+  }
+  template<class T>
+  void on_edges_if_any(const char* name, const std::vector<T>& field) {
+    if (any_of(mesh_.comm, !field.empty())) on_edges(name, field);
+  }
   void on_contacts(const std::string& name, const ContactMemory& contacts) {
     std::vector<Global> keys;
     std::vector<double> forces;
@@ -119,6 +127,14 @@ public:
   void on_edges(const char* name, std::vector<T>& field) {
     read_field(name, mesh_.edge_order, field, mesh_.edges.size());
     mesh_.edge_halo.update(field);
+  }
+  template<class T>
+  void on_vertices_if_any(const char* name, std::vector<T>& field) {
+    if (file_.has(name)) on_vertices(name, field);
+  }
+  template<class T>
+  void on_edges_if_any(const char* name, std::vector<T>& field) {
+    if (file_.has(name)) on_edges(name, field);
   }
   void on_contacts(const std::string& name, ContactMemory& contacts) {
     const std::string keys_name = name + "/keys";
@@ -183,7 +199,7 @@ void check_format(const H5Reader& file) {
 
 } // namespace
 
-void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const Checkpoint& checkpoint) {
+void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const CheckpointView& checkpoint) {
   write_whole(mesh.comm, path, [&](H5Writer& file) {
     file.attribute(format_name, format);
     file.attribute(case_name, checkpoint.case_text);

@@ -9,17 +9,28 @@
 namespace taut {
 
 /// All that determines, together with the mesh, how a run goes on.
+struct CheckpointView {
+  const std::string& case_text; ///< as run, YAML
+  const State& state;
+  const StepSize::Memory& step_size;
+  Global rejected_steps;
+  const Totals& totals;
+};
+
+/// The same on its own.
 struct Checkpoint {
-  std::string case_text; ///< as run, YAML
+  std::string case_text;
   State state;
   StepSize::Memory step_size;
   Global rejected_steps = 0;
   Totals totals;
+
+  operator CheckpointView() const { return {case_text, state, step_size, rejected_steps, totals}; }
 };
 
 /// Appears whole or not at all. Throws InputError if it cannot be written. Collective.
 void write_checkpoint(const std::filesystem::path& path, const DistributedMesh& mesh,
-                      const Checkpoint& checkpoint);
+                      const CheckpointView& checkpoint);
 
 /// Throws InputError if the file is no checkpoint, not whole, or of another mesh. Collective.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const DistributedMesh& mesh);

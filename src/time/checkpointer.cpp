@@ -42,9 +42,10 @@ void Checkpointer::write() {
   if (written_ == state.step) return;
   const PhaseScope phase(Phase::output);
   const double begin = MPI_Wtime();
+  const StepSize::Memory steps = simulation_.step_size().memory();
+  const Totals totals = summary_.totals(output_seconds());
   write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
-                   {case_text_, state, simulation_.step_size().memory(), simulation_.rejected_steps(),
-                    summary_.totals(output_seconds())});
+                   {case_text_, state, steps, simulation_.rejected_steps(), totals});
   keep_last_two();
   written_ = state.step;
   last_time_ = state.time;

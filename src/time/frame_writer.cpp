@@ -4,6 +4,7 @@
 #include "io/whole_file.hpp"
 #include "partition/traffic.hpp"
 #include "partition/yarns.hpp"
+#include "src/time/frame_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -12,59 +13,6 @@
 namespace taut {
 
 namespace {
-
-/// What a face shows of its edges: the means over the sides along warp (0, 2) and along weft (1, 3).
-struct WarpWeft {
-  std::vector<double> warp, weft;
-};
-
-WarpWeft mean_over_sides(const std::vector<std::array<Local, 4>>& sides,
-                         const std::vector<double>& edge_values) {
-  const auto mean = [&](Local a, Local b) {
-    double sum = 0;
-    int count = 0;
-    for (const Local e : {a, b})
-      if (e >= 0) {
-        sum += edge_values[e];
-        ++count;
-      }
-    return count > 0 ? sum / count : 0.0;
-  };
-  WarpWeft result;
-  for (const auto& s : sides) {
-    result.warp.push_back(mean(s[0], s[2]));
-    result.weft.push_back(mean(s[1], s[3]));
-  }
-  return result;
-}
-
-std::vector<std::array<Local, 4>> sides_of_owned_cells(const DistributedMesh& mesh) {
-  std::vector<std::array<Local, 4>> sides;
-  for (const Local c : mesh.owned_cells) {
-    const LocalCell& cell = mesh.cells[c];
-    const int n = cell.size();
-    auto& side = sides.emplace_back(std::array<Local, 4>{-1, -1, -1, -1});
-    for (int k = 0; k < (n == 2 ? 1 : n); ++k)
-      side[k] = edge_between(mesh, cell.vertices[k], cell.vertices[(k + 1) % n]);
-  }
-  return sides;
-}
-
-/// The strains of tangents |w| - 1, the means over those of a cell along warp and along weft; of owned cells.
-WarpWeft strains_of_cells(const DistributedMesh& mesh, std::span<const Tangent> tangents,
-                          std::span<const Vec3> positions) {
-  std::vector<std::array<double, 2>> sum(mesh.cells.size()), count(mesh.cells.size());
-  for (const Tangent& t : tangents) {
-    sum[t.cell][t.direction] += tangent(t.stencil, positions).norm() - 1.0;
-    ++count[t.cell][t.direction];
-  }
-  WarpWeft result;
-  for (const Local c : mesh.owned_cells) {
-    result.warp.push_back(sum[c][0] / std::max(1.0, count[c][0]));
-    result.weft.push_back(sum[c][1] / std::max(1.0, count[c][1]));
-  }
-  return result;
-}
 
 /// The cells of this rank's slab as XDMF's or HDF5's lists of vertices.
 struct CellLists {
@@ -110,8 +58,7 @@ std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/fram
 
 FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, const Case& input,
                          std::filesystem::path folder, std::vector<XdmfFrame> earlier)
-    : cloth_(cloth), fields_(input.output.fields), folder_(std::move(folder)),
-      sides_(sides_of_owned_cells(cloth.mesh)), tangents_(tangents_of(cloth)), obstacles_(cloth, obstacles) {
+    : cloth_(cloth), fields_(input.output.fields), folder_(std::move(folder)), obstacles_(cloth, obstacles) {
   cells_.frames = edges_.frames = std::move(earlier);
   if (input.has_contact() && wants(config::Field::contact)) contact_.emplace(cloth, obstacles, input);
 }
@@ -186,7 +133,8 @@ void FrameWriter::write_yarns(H5Writer& file) const {
     return first >= 0 ? yarn[first] : second >= 0 ? yarn[second] : Global(-1);
   };
   std::vector<Global> warp, weft;
-  for (const auto& s : sides_) {
+  for (const Local c : mesh.owned_cells) {
+    const auto s = sides_of(mesh, mesh.cells[c]);
     warp.push_back(of_side(s[0], s[2]));
     weft.push_back(of_side(s[3], s[1]));
   }
@@ -248,11 +196,6 @@ void FrameWriter::write_frame(const State& state, Global frame) {
   const DistributedMesh& mesh = cloth_.mesh;
   const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(),
              faces = mesh.cell_order.slab();
-  std::vector<double> strains, tensions;
-  for (Local e = 0; e < mesh.edges.size(); ++e) {
-    strains.push_back(strain_of(cloth_, state.positions, e));
-    tensions.push_back(state.force_density[e] * cloth_.rest_length[e] * (1.0 + strains.back()));
-  }
   const auto write_field = [&](H5Writer& file, const char* name, const std::vector<double>& values,
                                const WarpWeft& on_cells) {
     file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
@@ -269,8 +212,11 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
     if (contact_) contact_->write(file, state);
     if (wants(strain))
-      write_field(file, "strain", strains, strains_of_cells(mesh, tangents_, state.positions));
-    if (wants(tension)) write_field(file, "tension", tensions, mean_over_sides(sides_, tensions));
+      write_field(file, "strain", strains_of_edges(cloth_, state), strains_of_cells(cloth_, state.positions));
+    if (wants(tension)) {
+      const auto tensions = tensions_of_edges(cloth_, state);
+      write_field(file, "tension", tensions, mean_over_sides(mesh, tensions));
+    }
     if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);
   });
   for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, file_of(frame)});

@@ -39,9 +39,6 @@ private:
   const Cloth& cloth_;
   std::vector<config::Field> fields_;
   std::filesystem::path folder_;
-  std::vector<std::array<Local, 4>>
-      sides_;                     ///< of owned cells: the constrained edge on each side, -1 for none
-  std::vector<Tangent> tangents_; ///< of local cells
   ObstacleFrames obstacles_;
   std::optional<ContactFrames> contact_; ///< if there is contact, and its fields are wanted
   XdmfDescription cells_, edges_;

@@ -36,9 +36,11 @@ SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedo
   }
   add_forces(start);
   const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
-  reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  if (!any_of(cloth_.mesh.comm, !freedom.all_free())) return report; // penalty springs reach across ranks
-  reaction = constraint_impulse(step_.matrix(), step_.rhs(), freedom, velocities);
+  if (!any_of(cloth_.mesh.comm, !freedom.all_free())) { // penalty springs reach across ranks
+    reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
+    return report;
+  }
+  constraint_impulse(step_.matrix(), step_.rhs(), freedom, velocities, reaction);
   for (Vec3& r : reaction) r /= dt;
   return report;
 }

@@ -23,8 +23,7 @@ std::string describe(const Intersection& i, const Cloth& cloth, const Obstacles&
 } // namespace
 
 IntersectionCheck::IntersectionCheck(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check), obstacles_(obstacles),
-      test_(cloth, obstacles) {}
+    : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check), obstacles_(obstacles) {}
 
 bool IntersectionCheck::finds_in(const State& state, const std::filesystem::path& file) {
   look(state);
@@ -55,7 +54,8 @@ void IntersectionCheck::after_frame(const State& state, Global) {
 
 void IntersectionCheck::look(const State& state) {
   obstacles_.place(state.time, bodies_);
-  const auto found = test_.find(state.positions, bodies_);
+  if (!test_) test_.emplace(cloth_, obstacles_);
+  const auto found = test_->find(state.positions, bodies_);
   const MPI_Comm comm = cloth_.mesh.comm;
   const Global now = sum_over(comm, Global(found.size()));
   if (now > 0 && count_ == 0) {

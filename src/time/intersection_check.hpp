@@ -3,13 +3,14 @@
 #include "src/time/observer.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace taut {
 
 /// Tests the result for intersections, at frames or at every step, by a test of its own (Intersections).
 class IntersectionCheck : public Observer {
 public:
-  /// `cloth` and `obstacles` must outlive it. Collective.
+  /// `cloth` and `obstacles` must outlive it. Not collective.
   IntersectionCheck(const Cloth& cloth, const Obstacles& obstacles, const Case& input);
 
   /// Tests `state`; if the cloth intersects something in it, writes all findings to `file`, whose folder is
@@ -37,7 +38,7 @@ private:
   const Cloth& cloth_;
   config::CheckAt when_;
   const Obstacles& obstacles_;
-  Intersections test_;
+  std::optional<Intersections> test_; ///< made when it is first needed: it knows every feature of the cloth
   std::vector<Vec3> bodies_;
   Global count_ = 0;
   std::string first_;

@@ -96,8 +96,8 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       filters_(make_filters(cloth_, obstacles_, pattern_, input, inextensibility_, weight_)),
       integrator_(input.time.integrator),
       predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
-      max_stretch_change_(input.time.max_stretch_change), end_positions_(state_.positions.size()),
-      freedom_(state_.positions.size()), start_depth_(lowest(cloth_, state_.positions, down_)) {
+      max_stretch_change_(input.time.max_stretch_change), freedom_(state_.positions.size()),
+      start_depth_(lowest(cloth_, state_.positions, down_)) {
   if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
     xpbd_.emplace(cloth_, pattern_, forces_, pins_, input.inextensibility);
   if (max_stretch_change_ || limits_averages()) tangents_ = tangents_of(cloth_);
@@ -106,7 +106,13 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
   forces_.push_back(std::make_unique<SolidFriction>(*solids_));
 }
 
+/// The case may have use for other fields than the one that wrote the state.
 void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
+  state.reaction.resize(state_.reaction.size(), Vec3::Zero());
+  state.contact_force.resize(state_.contact_force.size(), Vec3::Zero());
+  state.pressing.resize(state_.pressing.size(), Vec3::Zero());
+  state.stress.resize(state_.stress.size(), Vec2::Zero());
+  state.pulled.resize(state_.pulled.size(), 0.0);
   state_ = std::move(state);
   step_size_.recall(steps);
   rejected_steps_ = rejected_steps;
@@ -155,13 +161,13 @@ void Simulation::rehearse() {
   attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
 }
 
-/// Proposes the state after `dt` in `candidate_` and `end_positions_`; the present state stays as it is.
+/// Proposes the state after `dt` in `candidate_`; the present state stays as it is.
 Simulation::Attempt Simulation::attempt(double dt) {
   Attempt attempt;
   StepRecord& record = attempt.record;
   record.dt = dt;
   candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
-  candidate_.pressing.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
+  candidate_.pressing.assign(state_.pressing.size(), Vec3::Zero());
   candidate_.stress.assign(state_.stress.size(), Vec2::Zero());
   candidate_.pulled.assign(state_.pulled.size(), 0.0);
   candidate_.contacts.clear();
@@ -178,11 +184,12 @@ Simulation::Attempt Simulation::attempt(double dt) {
     record.seconds.velocity = watch.lap();
     filter(start, attempt);
   }
-  for (std::size_t i = 0; i < end_positions_.size(); ++i)
-    end_positions_[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
+  candidate_.positions.resize(state_.positions.size());
+  for (std::size_t i = 0; i < candidate_.positions.size(); ++i)
+    candidate_.positions[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
   if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
   if (solids_) solids_->note_forces(candidate_);
-  record.strain = gauge_.measure(end_positions_);
+  record.strain = gauge_.measure(candidate_.positions);
   record.seconds.projection = watch.lap() - record.seconds.contact;
   record.seconds.cpu = cpu_seconds() - cpu;
   if (attempt.failure.empty()) attempt.failure = fault_of(record.strain);
@@ -251,7 +258,7 @@ void Simulation::add_pull_of_filters() {
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : cloth_.mesh.star_of(i))
       pull += (candidate_.force_density[end.edge] - carried(state_.force_density[end.edge])) *
-              (end_positions_[end.other] - end_positions_[i]);
+              (candidate_.positions[end.other] - candidate_.positions[i]);
     candidate_.reaction[i] -= freedom_.denied(i, pull);
   }
 }
@@ -271,7 +278,7 @@ std::string Simulation::fault_of(const Strain& strain) const {
 /// The same for how drastically stretch changes in it [BW98 section 6].
 std::string Simulation::fault_of_stretch() const {
   if (!max_stretch_change_) return "";
-  const double change = largest_stretch_change(cloth_, tangents_, state_.positions, end_positions_);
+  const double change = largest_stretch_change(cloth_, tangents_, state_.positions, candidate_.positions);
   if (change <= *max_stretch_change_) return "";
   return fmt::format("the stretch of warp or weft changes by {:.3g}, over time.max_stretch_change, {:g}",
                      change, *max_stretch_change_);
@@ -287,7 +294,7 @@ std::string Simulation::place_of_fault(const StepRecord& record) const {
 
 void Simulation::accept(double time, double dt) {
   integrator_.remember(state_, dt);
-  std::swap(state_.positions, end_positions_);
+  std::swap(state_.positions, candidate_.positions);
   std::swap(state_.velocities,
             candidate_.end_velocities.empty() ? candidate_.velocities : candidate_.end_velocities);
   std::swap(state_.contact_force, candidate_.contact_force);

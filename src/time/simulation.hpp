@@ -99,7 +99,6 @@ private:
   std::vector<Tangent> tangents_; ///< whose stretch is watched
   Global rejected_steps_ = 0;
   Candidate candidate_;
-  std::vector<Vec3> end_positions_;
   Freedom freedom_;
   double start_depth_ = 0;
 };

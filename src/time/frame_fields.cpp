@@ -1,0 +1,67 @@
+#include "src/time/frame_fields.hpp"
+
+#include "src/forces/stretch.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+std::array<Local, 4> sides_of(const DistributedMesh& mesh, const LocalCell& cell) {
+  std::array<Local, 4> sides{-1, -1, -1, -1};
+  const int n = cell.size();
+  for (int k = 0; k < (n == 2 ? 1 : n); ++k)
+    sides[k] = edge_between(mesh, cell.vertices[k], cell.vertices[(k + 1) % n]);
+  return sides;
+}
+
+WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values) {
+  const auto mean = [&](Local a, Local b) {
+    double sum = 0;
+    int count = 0;
+    for (const Local e : {a, b})
+      if (e >= 0) {
+        sum += edge_values[e];
+        ++count;
+      }
+    return count > 0 ? sum / count : 0.0;
+  };
+  WarpWeft result;
+  for (const Local c : mesh.owned_cells) {
+    const auto s = sides_of(mesh, mesh.cells[c]);
+    result.warp.push_back(mean(s[0], s[2]));
+    result.weft.push_back(mean(s[1], s[3]));
+  }
+  return result;
+}
+
+std::vector<double> strains_of_edges(const Cloth& cloth, const State& state) {
+  std::vector<double> strains(cloth.mesh.edges.size());
+  for (std::size_t e = 0; e < strains.size(); ++e) strains[e] = strain_of(cloth, state.positions, Local(e));
+  return strains;
+}
+
+std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state) {
+  std::vector<double> tensions = strains_of_edges(cloth, state);
+  for (std::size_t e = 0; e < tensions.size(); ++e)
+    tensions[e] = state.force_density[e] * cloth.rest_length[e] * (1.0 + tensions[e]);
+  return tensions;
+}
+
+WarpWeft strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions) {
+  WarpWeft result;
+  std::vector<Tangent> tangents; // of one cell; those of all would outweigh the mesh
+  for (const Local c : cloth.mesh.owned_cells) {
+    tangents.clear();
+    append_tangents(cloth, c, tangents);
+    std::array<double, 2> sum{}, count{};
+    for (const Tangent& t : tangents) {
+      sum[t.direction] += tangent(t.stencil, positions).norm() - 1.0;
+      ++count[t.direction];
+    }
+    result.warp.push_back(sum[0] / std::max(1.0, count[0]));
+    result.weft.push_back(sum[1] / std::max(1.0, count[1]));
+  }
+  return result;
+}
+
+} // namespace taut
