@@ -36,6 +36,35 @@ private:
   std::array<double, 3> at_;
 };
 
+/// Calls visit(kind, vertices, apart) for the pairs of features of two elements that have no vertex in
+/// common: vertices against faces both ways, edges against edges, each by the element that represents it. An
+/// element without a face has edges only, a point is an edge of no length. `apart` is by how much the
+/// features are apart along the direction of the extents.
+template<class Visit>
+void for_each_feature_pair(const Element& a, const Element& b, const Extent& along_a, const Extent& along_b,
+                           std::span<const SurfaceVertex> vertices, Visit&& visit) {
+  const auto &v = a.vertices, &w = b.vertices;
+  bool same[3][3] = {}; // whether vertex k of a is vertex l of b
+  for (int k = 0; k < a.corners; ++k)
+    for (int l = 0; l < b.corners; ++l) same[k][l] = vertices[v[k]].key == vertices[w[l]].key;
+  for (int k = 0; b.is_triangle() && k < a.corners; ++k)
+    if (a.represents_vertex(k) && !same[k][0] && !same[k][1] && !same[k][2])
+      visit(PairKind::vertex_face, {v[k], w[0], w[1], w[2]}, apart(along_a.of(k), along_b.all()));
+  for (int l = 0; a.is_triangle() && l < b.corners; ++l)
+    if (b.represents_vertex(l) && !same[0][l] && !same[1][l] && !same[2][l])
+      visit(PairKind::vertex_face, {w[l], v[0], v[1], v[2]}, apart(along_b.of(l), along_a.all()));
+  for (int k = 0; k < a.corners; ++k) {
+    if (!a.represents_edge(k) && (a.corners > 1 || b.is_triangle())) continue;
+    const int k1 = a.next(k);
+    for (int l = 0; l < b.corners; ++l) {
+      if (!b.represents_edge(l) && (b.corners > 1 || a.is_triangle())) continue;
+      const int l1 = b.next(l);
+      if (!same[k][l] && !same[k][l1] && !same[k1][l] && !same[k1][l1])
+        visit(PairKind::edge_edge, {v[k], v[k1], w[l], w[l1]}, apart(along_a.of(k, k1), along_b.of(l, l1)));
+    }
+  }
+}
+
 } // namespace
 
 ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
@@ -69,62 +98,40 @@ bool ContactSearch::widen(std::span<const double> strayed) {
 }
 
 /// Keeps the pairs of features of two elements that `from` to `to` (m) more motion towards each other than
-/// the search knows of brings within reach; returns how much it takes to bring another one there. Planes
-/// across the direction between the elements tell most features apart, those across the direction between the
-/// features most of the others.
+/// the search knows of brings within reach; returns how much it takes to bring another one there.
 double ContactSearch::meet(const BoxPair& elements, double from, double to) {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
-  const auto x = elements_.positions();
   const ElementSearch::Range range = elements_.range(elements);
   const Vec3 across = elements_.direction(elements);
-  const Extent along_a(a, x, across), along_b(b, x, across);
+  const Extent along_a(a, elements_.positions(), across), along_b(b, elements_.positions(), across);
   if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > to) return spare;
   const std::int16_t body = std::max(a.body, b.body);
   const double radius = body >= 0 ? obstacles_.body(body).radius : 0.0;
   double least = HUGE_VAL;
-  const auto try_pair = [&](PairKind kind, const std::array<Local, 4>& vertices, double apart_across) {
-    double spare = apart_across - range.far;
-    if (spare <= to) {
-      const Pair pair{vertices, kind, body, radius, Vec3::Zero()};
-      const Four y = at(pair, x);
-      spare = separation(kind, y) - range.far;
-      if (spare <= to) {
-        const Approach here = approach(pair, y);
-        const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
-        spare = std::max(here.gap + radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
-        if (spare >= from && spare <= to) found_.push_back(pair);
-      }
-    }
-    if (spare > to) least = std::min(least, spare);
-  };
-
-  // The pairs of features without a vertex in common: vertices against faces both ways, edges against edges,
-  // each by the element that represents it. An element without a face has edges only, a point is an edge of
-  // no length.
-  const auto vertices = elements_.vertices();
-  bool same[3][3] = {}; // whether vertex k of a is vertex l of b
-  for (int k = 0; k < a.corners; ++k)
-    for (int l = 0; l < b.corners; ++l)
-      same[k][l] = vertices[a.vertices[k]].key == vertices[b.vertices[l]].key;
-  const auto &v = a.vertices, &w = b.vertices;
-  for (int k = 0; b.is_triangle() && k < a.corners; ++k)
-    if (a.represents_vertex(k) && !same[k][0] && !same[k][1] && !same[k][2])
-      try_pair(PairKind::vertex_face, {v[k], w[0], w[1], w[2]}, apart(along_a.of(k), along_b.all()));
-  for (int l = 0; a.is_triangle() && l < b.corners; ++l)
-    if (b.represents_vertex(l) && !same[0][l] && !same[1][l] && !same[2][l])
-      try_pair(PairKind::vertex_face, {w[l], v[0], v[1], v[2]}, apart(along_b.of(l), along_a.all()));
-  for (int k = 0; k < a.corners; ++k) {
-    if (!a.represents_edge(k) && (a.corners > 1 || b.is_triangle())) continue;
-    const int k1 = a.next(k);
-    for (int l = 0; l < b.corners; ++l) {
-      if (!b.represents_edge(l) && (b.corners > 1 || a.is_triangle())) continue;
-      const int l1 = b.next(l);
-      if (!same[k][l] && !same[k][l1] && !same[k1][l] && !same[k1][l1])
-        try_pair(PairKind::edge_edge, {v[k], v[k1], w[l], w[l1]},
-                 apart(along_a.of(k, k1), along_b.of(l, l1)));
-    }
-  }
+  for_each_feature_pair(a, b, along_a, along_b, elements_.vertices(),
+                        [&](PairKind kind, const std::array<Local, 4>& vertices, double apart_across) {
+                          const Pair pair{vertices, kind, body, radius, Vec3::Zero()};
+                          const double spare = spare_of(pair, range, apart_across, to);
+                          if (spare > to)
+                            least = std::min(least, spare);
+                          else if (spare >= from)
+                            found_.push_back(pair);
+                        });
   return least;
+}
+
+/// How much more motion (m) brings a pair of features within reach, at least, and just so much where it is at
+/// most `to`. Planes across the direction between the elements tell most features apart, those across the
+/// direction between the features most of the others.
+double ContactSearch::spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across,
+                               double to) const {
+  if (apart_across - range.far > to) return apart_across - range.far;
+  const Four x = at(pair, elements_.positions());
+  const double separate = separation(pair.kind, x) - range.far;
+  if (separate > to) return separate;
+  const Approach here = approach(pair, x);
+  const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
+  return std::max(here.gap + pair.radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
 }
 
 void ContactSearch::meet_planes(const Motion& motion, double reach) {

@@ -51,6 +51,7 @@ public:
 
 private:
   double meet(const BoxPair& elements, double from, double to);
+  double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across, double to) const;
   void meet_planes(const Motion& motion, double reach);
   void place_in_fields();
 
