@@ -21,35 +21,38 @@ struct Ride {
   Global intersections;
 };
 
-/// A patch of 10 cm on a plane that turns by `angle` (rad) within 0.3 s about an axis beside the patch, which
-/// so goes down with it, and then rests for 0.2 s.
-Ride ride(double angle, double friction) {
+constexpr auto plane = "plane: {reach: 0.5}";
+constexpr auto box = "box: {min: [-0.5, -0.45, -0.2], max: [0.5, 0.5, 0]}";
+
+/// A patch of 10 cm on an obstacle that turns by `angle` (rad) within 0.3 s about an axis beside the patch,
+/// which so goes down with it, and then rests for 0.2 s.
+Ride ride(std::string_view obstacle, double angle, double friction) {
   const double thickness = 1e-3, end = 0.5;
   const Case input = case_of(fmt::format("cloth:\n"
                                          "  grid: {{size: [0.1, 0.1], vertices: [9, 9]}}\n"
                                          "  start: {{translate: [-0.05, -0.05, {}]}}\n"
                                          "obstacles:\n"
-                                         "  - plane: {{reach: 0.5}}\n"
+                                         "  - {}\n"
                                          "    motion: [{{time: 0}}, {{time: 0.3, rotate: {{axis: [0, 1, 0], "
                                          "angle: {}, centre: [-0.1, 0, 0]}}}}]\n"
                                          "    friction: {}\n"
                                          "contact: {{thickness: {}, check: step}}\n"
                                          "time: {{end: {}, frame_rate: 10, max_step: 0.0025}}\n",
-                                         thickness, angle, friction, thickness, end));
+                                         thickness, obstacle, angle, friction, thickness, end));
   Simulation simulation(world, input);
   IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
   Recorder record(simulation);
   Observer* const observers[] = {&record, &check};
   const Outcome outcome = simulation.run(observers);
   EXPECT_TRUE(outcome.completed()) << outcome.reason;
-  const Obstacles& plane = simulation.obstacles();
+  const Obstacles& body = simulation.obstacles();
   std::vector<double> times{0}, places; // of the patch's middle, down the plane
   double farthest = 0;
   for (const StepRecord& r : record.records) times.push_back(times.back() + r.dt);
   for (std::size_t k = 0; k < times.size(); ++k) {
     const auto x = record.positions[k].reshaped(3, 81);
-    const Vec3 origin = plane.moved(0, Vec3::Zero(), times[k]);
-    const Mat3 turned = plane.turned(0, 0, times[k]);
+    const Vec3 origin = body.moved(0, Vec3::Zero(), times[k]);
+    const Mat3 turned = body.turned(0, 0, times[k]);
     places.push_back(turned.col(0).dot(x.rowwise().mean() - origin));
     for (Global i = 0; i < 81 && times[k] >= 0.35; ++i)
       farthest = std::max(farthest, std::abs(turned.col(2).dot(x.col(i) - origin) - thickness));
@@ -64,7 +67,7 @@ Ride ride(double angle, double friction) {
 }
 
 TEST(TurningPlane, HoldsAPatchBelowCoulombsAngle) {
-  const Ride r = ride(std::atan(0.5) - 3 * degree, 0.5);
+  const Ride r = ride(plane, std::atan(0.5) - 3 * degree, 0.5);
   EXPECT_LT(std::abs(r.crept), 5e-4);
   EXPECT_LT(std::abs(r.acceleration), 0.02);
   EXPECT_EQ(r.intersections, 0);
@@ -74,7 +77,18 @@ TEST(TurningPlane, HoldsAPatchBelowCoulombsAngle) {
 TEST(TurningPlane, LetsItSlideAboveAsCoulombSays) {
   for (const auto& [angle, friction] : {std::pair{30 * degree, 0.3}, {20 * degree, 0.0}}) {
     const double expected = 9.81 * (std::sin(angle) - friction * std::cos(angle));
-    const Ride r = ride(angle, friction);
+    const Ride r = ride(plane, angle, friction);
+    EXPECT_NEAR(r.acceleration, expected, 0.005 * expected + 0.04 * friction * 9.81 * std::cos(angle));
+    EXPECT_LT(r.farthest, 5e-5);
+    EXPECT_EQ(r.intersections, 0);
+  }
+}
+
+/// Over the diagonal of the side, which vertices of the cloth pass by more than its thickness in a step.
+TEST(Box, LetsClothSlideOverEdgesInsideItsSides) {
+  for (const auto& [angle, friction] : {std::pair{30 * degree, 0.3}, {20 * degree, 0.0}}) {
+    const double expected = 9.81 * (std::sin(angle) - friction * std::cos(angle));
+    const Ride r = ride(box, angle, friction);
     EXPECT_NEAR(r.acceleration, expected, 0.005 * expected + 0.04 * friction * 9.81 * std::cos(angle));
     EXPECT_LT(r.farthest, 5e-5);
     EXPECT_EQ(r.intersections, 0);

@@ -38,11 +38,12 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
-      slack_(cloth, least_slack * thickness_.largest()), compliance_(compliance_of(limits_, weight)),
-      gravity_(input.gravity.norm()), gradient_(cloth.mesh.edges.size()),
-      inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
-      residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
-      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {}
+      slack_(cloth, least_slack * thickness_.largest()), cones_(obstacles),
+      compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
+      gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
+      shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
+      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()),
+      guess_(cloth.mesh.edges.owned) {}
 
 FilterReport ContactProjection::apply(const State& start, double dt, const Freedom& freedom,
                                       Candidate& candidate) {

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/contact/normal_cones.hpp"
 #include "src/contact/search_slack.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/contact_qp.hpp"
@@ -87,6 +88,7 @@ private:
   ContactQp qp_;
   Thickness thickness_;
   SearchSlack slack_;
+  NormalCones cones_;
   double compliance_, gravity_;
 
   // of the step in hand

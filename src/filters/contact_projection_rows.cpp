@@ -78,7 +78,9 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
   if (!is_near && blocked_.empty()) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
-  const bool is_covered = pair.kind == PairKind::edge_edge && !inside; // vertices against faces have it
+  const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
+      (pair.kind == PairKind::edge_edge && !inside) ||
+      (pair.body >= 0 && !cones_.holds(pair, here, safe_field_, search_.own()));
   if ((!is_near || is_covered) && !blocked_.contains(name_of(pair, search_.keys()))) return;
   double mobility = 0;
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
