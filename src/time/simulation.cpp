@@ -288,7 +288,7 @@ std::string Simulation::fault_of_stretch() const {
 std::string Simulation::place_of_fault(const StepRecord& record) const {
   if (!strain_limit_ || !(record.strain.max > *strain_limit_)) return "";
   const std::string where =
-      where_strained(cloth_, gauge_, obstacles_, end_positions_, state_.time + record.dt);
+      where_strained(cloth_, gauge_, obstacles_, candidate_.positions, state_.time + record.dt);
   return where.empty() ? "" : "; " + where;
 }
 
