@@ -16,9 +16,13 @@ namespace {
 
 constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double least_slack = 1.0; ///< of the thickness: how far a target may leave a search
+constexpr double slack = 2.0;       ///< of the thickness: how far a target may leave a search
 constexpr int most_rounds = 20;     ///< until all go as far as the first that is stopped
 constexpr int patience = 6;         ///< iterations until stuck vertices are let go
+
+/// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
+/// something strikes hard does not soften the edges.
+constexpr double most_shift = 1e-3;
 
 SolverOptions solver_options(const config::Inextensibility& options) {
   return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
@@ -38,7 +42,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
-      slack_(cloth, least_slack * thickness_.largest()), cones_(obstacles),
+      slack_(cloth, slack * thickness_.largest()), cones_(obstacles),
       compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
       gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
       shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
@@ -114,7 +118,6 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   noted_.clear();
   touched_.clear();
   blocked_.clear();
-  slack_.begin_step();
   start_.cloth = start.positions;
   obstacles_.place(start.time, start_.obstacles);
   safe_ = start_;
@@ -128,7 +131,8 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
     inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
   for (std::size_t e = 0; e < shift_.size(); ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
-    shift_[e] = shift_of(cloth_.rest_length[e], compliance_, dt, inverse_mass_[a] + inverse_mass_[b]);
+    shift_[e] = std::min(4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt),
+                         4.0 * most_shift * (inverse_mass_[a] + inverse_mass_[b]));
     tolerance_[e] = strain_left * limits_.strain * 2.0 * cloth_.rest_length[e];
   }
   for (std::size_t e = 0; e < mu_.size(); ++e)

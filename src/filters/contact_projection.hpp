@@ -33,7 +33,8 @@ namespace taut {
 /// partition nor on who found a contact before; two ranks that find the same one share its entry, and what
 /// has no row at the end of a step is forgotten.
 ///
-/// Without a contact in reach it is Fast Projection, to the last digit.
+/// Without a contact in reach it is Fast Projection, to the last digit unless steps are so short that the
+/// bound on the edges' compliance tells.
 class ContactProjection : public VelocityFilter {
 public:
   /// `cloth` and `obstacles` must outlive the filter; `weight` is that of the whole cloth in N. Throws

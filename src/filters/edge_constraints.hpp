@@ -2,20 +2,12 @@
 #include "src/state/cloth.hpp"
 #include "src/state/freedom.hpp"
 
-#include <algorithm>
-
 namespace taut {
 
 /// The compliance c in 1/N that `options` ask for, of a cloth with this weight in N. By default it is such
 /// that a taut thread which bears the whole weight W stretches by e = a tenth of the limit: it sags by s with
 /// e = 8/3 (s/L)^2 and T = W L/(8 s), so c = e/T = 4.9 e^(3/2) / W.
 double compliance_of(const config::Inextensibility& options, double weight);
-
-/// a = 4 l c/h^2 of an edge whose ends have these inverse masses, in 1/kg; at most a thousandth of what the
-/// edge yields by them, so that halving a step in which something strikes hard does not soften the edge.
-inline double shift_of(double rest_length, double compliance, double dt, double inverse_masses) {
-  return std::min(4.0 * rest_length * compliance / (dt * dt), 4e-3 * inverse_masses);
-}
 
 /// The constraints of all edges, C = |d|^2/l - l = 0 [G07 section 3], with their gradients: dC/dx = 2 d/l by
 /// the second vertex of an edge, minus that by the first. What the methods that solve for tensions share.

@@ -19,14 +19,14 @@ constexpr int single_rounds = 10;  ///< of impulses on single pairs, before they
 constexpr int most_products = 200; ///< in the program of a zone
 constexpr double program_left = 1e-3; ///< of the thickness; pairs part by twice that, so that none closes
 constexpr double nearest = 0.2;       ///< of their gap: how near two features may come in a step
-constexpr double least_slack = 1.0;   ///< of the thickness: how far a target may leave a search
+constexpr double search_slack = 2.0;  ///< of the thickness: how far a target may leave a search
 
 } // namespace
 
 ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
     : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
       contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
-      slack_(cloth, least_slack * thickness_.largest()), is_last_(config::contact_is_last(input)),
+      slack_(cloth, search_slack * thickness_.largest()), is_last_(config::contact_is_last(input)),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
 FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
@@ -73,7 +73,6 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time, bodies_from_);
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  slack_.begin_step();
   search();
 }
 
