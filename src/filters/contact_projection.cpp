@@ -17,7 +17,6 @@ namespace {
 constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.2; ///< of the limit, by a program
 constexpr double slack = 2.0;       ///< of the thickness: how far a target may leave a search
-constexpr int most_rounds = 20;     ///< until all go as far as the first that is stopped
 constexpr int patience = 6;         ///< iterations until stuck vertices are let go
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
@@ -73,26 +72,23 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     report.contacts = std::max(report.contacts, contact_count_);
     ++report.iterations;
     if (!report.failure.empty()) break;
-    bool arrives = false;
+    double alpha = 1;
     timed([&] {
       follow();
-      arrives = find_fractions();
+      alpha = step_length();
     });
-    if (arrives)
-      safe_ = target_;
-    else
-      advance_safe();
+    advance_safe(alpha);
     const double reached = measure_strain(cloth_, safe_.cloth).max;
-    if (arrives && reached <= limits_.strain) break;
+    if (alpha == 1.0 && reached <= limits_.strain) break;
     if (iteration_ == contact_.max_iterations) {
       report.failure =
           fmt::format("projection with contact left a strain of {:.3g} (limit {:g}) after {} iterations{}",
                       reached, limits_.strain, iteration_, what_stopped());
       break;
     }
-    if (!arrives) timed([&] { look(); });
+    if (alpha < 1) timed([&] { look(); });
     const double was_behind = std::exchange(behind, distance_behind());
-    if (!arrives && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
+    if (alpha < 1 && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
   }
   propose(candidate);
   return report;
@@ -219,59 +215,27 @@ void ContactProjection::project(double strain, FilterReport& report) {
   for (std::size_t e = 0; e < pulled_.size(); ++e) pulled_[e] += change_[e];
 }
 
-/// How much of its way to the target each vertex goes, so that no pair comes too near: all of it but around
-/// the pairs that stop it, and around these what is left of the way is tried again until nothing stops it. If
-/// that does not end, all go as far as the first of them is stopped. True if none is.
-bool ContactProjection::find_fractions() {
+/// The fraction of the way to the target on which no pair comes too near. It is the same for all vertices:
+/// what moves together would come as near as it moves if some of it stayed behind, and the search does not
+/// look so far.
+double ContactProjection::step_length() {
   search_.gather(target_.cloth, target_.obstacles, target_field_);
-  fractions_.assign(search_.size(), 1.0);
   stuck_.clear();
-  const double first_stop = shorten();
-  if (first_stop == 1.0) return true;
-  for (const Local k : stuck_) blocked_.insert(name_of(search_.pairs()[k], search_.keys()));
-  const std::vector<Local> stuck = stuck_;
-  for (int round = 0; round < most_rounds; ++round)
-    if (shorten() == 1.0) {
-      stuck_ = stuck;
-      return false;
-    }
-  stuck_ = stuck;
-  std::fill(fractions_.begin(), fractions_.end(), first_stop);
-  return false;
-}
-
-/// Takes from the fractions what pairs do not let their vertices go together; returns the least part of its
-/// way that a pair goes, over all ranks.
-double ContactProjection::shorten() {
-  std::vector<double> shorter = fractions_;
-  stuck_.clear();
-  double least = 1;
+  double alpha = 1;
   for (std::size_t k = 0; k < search_.pairs().size(); ++k) {
     const Pair& pair = search_.pairs()[k];
     const Four x = at(pair, safe_field_);
     Four u = at(pair, target_field_);
-    for (int i = 0; i < 4; ++i) u[i] = fractions_[pair.vertices[i]] * (u[i] - x[i]);
-    const double floor = floor_of(approaches_[k].gap, thickness_.of(pair, search_.keys()));
-    const double part = advance(pair, x, u, floor);
-    if (part == 1) continue;
-    stuck_.push_back(Local(k));
-    least = std::min(least, part);
-    for (const Local v : pair.vertices) shorter[v] = std::min(shorter[v], part * fractions_[v]);
+    for (int i = 0; i < 4; ++i) u[i] -= x[i];
+    const double gap = approaches_[k].gap;
+    const double part = advance(pair, x, u, floor_of(gap, thickness_.of(pair, search_.keys())));
+    if (part < 1) {
+      blocked_.insert(name_of(pair, search_.keys()));
+      stuck_.push_back(Local(k));
+    }
+    alpha = std::min(alpha, part);
   }
-  least = -max_over(comm_, -least);
-  if (least < 1) share_fractions(shorter);
-  return least;
-}
-
-/// The least that any rank has of each vertex; all obstacles go as far as the one that is stopped first.
-void ContactProjection::share_fractions(std::vector<double>& shorter) {
-  search_.take_least(shorter);
-  const auto bodies = std::span(shorter).subspan(search_.own(), search_.home() - search_.own());
-  double slowest = 1;
-  for (const double fraction : bodies) slowest = std::min(slowest, fraction);
-  std::fill(bodies.begin(), bodies.end(), -max_over(comm_, -slowest));
-  search_.plan().forward<double>(shorter, shorter);
-  fractions_.swap(shorter);
+  return -max_over(comm_, -alpha);
 }
 
 double ContactProjection::distance_behind() const {
@@ -307,12 +271,15 @@ void ContactProjection::free_stuck() {
   cloth_.mesh.vertex_halo.update(target_.cloth);
 }
 
-void ContactProjection::advance_safe() {
-  for (Local i = 0; i < search_.own(); ++i)
-    safe_.cloth[i] += fractions_[i] * (target_.cloth[i] - safe_.cloth[i]);
-  cloth_.mesh.vertex_halo.update(safe_.cloth);
+void ContactProjection::advance_safe(double alpha) {
+  if (alpha == 1.0) {
+    safe_ = target_;
+    return;
+  }
+  for (std::size_t i = 0; i < safe_.cloth.size(); ++i)
+    safe_.cloth[i] += alpha * (target_.cloth[i] - safe_.cloth[i]);
   for (std::size_t i = 0; i < safe_.obstacles.size(); ++i)
-    safe_.obstacles[i] += fractions_[search_.own() + i] * (target_.obstacles[i] - safe_.obstacles[i]);
+    safe_.obstacles[i] += alpha * (target_.obstacles[i] - safe_.obstacles[i]);
 }
 
 } // namespace taut

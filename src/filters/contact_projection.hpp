@@ -17,10 +17,10 @@ namespace taut {
 ///
 ///     minimise 1/2 |dy|_M^2  subject to  C(y) + J dy = 0,  n . sum_i w_i (y + dy)_i >= thickness
 ///
-/// is solved for its multipliers (ContactQp). Then every vertex of x moves towards y by as much of its way
-/// as, by conservative advancement, brings no pair of features too near; pairs that stopped theirs get a row
-/// in the next iteration whatever their distance. The step is good when x has arrived and the measured strain
-/// is within the limit.
+/// is solved for its multipliers (ContactQp). Then x moves towards y by the largest fraction of the way on
+/// which, by conservative advancement, no pair of features comes too near; pairs that stopped it get a row in
+/// the next iteration whatever their distance. The step is good when x has arrived and the measured strain is
+/// within the limit.
 ///
 /// Friction is Coulomb's, implicit: a row for each of two tangents asks for no slip over the step, with a
 /// multiplier of at most the coefficient times the normal one of the iteration before (in the first
@@ -71,10 +71,8 @@ private:
   void project(double strain, FilterReport& report);
   void note_multipliers();
   double distance_behind() const;
-  bool find_fractions();
-  double shorten();
-  void share_fractions(std::vector<double>& shorter);
-  void advance_safe();
+  double step_length();
+  void advance_safe(double alpha);
   void free_stuck();
   void propose(Candidate& candidate) const;
   std::string what_stopped() const;
@@ -105,7 +103,6 @@ private:
   std::vector<Approach> approaches_; ///< of the pairs, at `safe_`
   std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
   std::vector<Local> stuck_;         ///< pairs that stopped it last
-  std::vector<double> fractions_;    ///< of the way to the target that the safe iterate goes, a contact field
   std::vector<Contact> contacts_;
   std::vector<Touch*> touches_; ///< of the contacts, into `touched_`
   std::vector<ContactRow> rows_;
