@@ -29,6 +29,13 @@ struct Box {
       high[k] = std::max(high[k], other.high[k]);
     }
   }
+  /// Grows by `r` on all sides.
+  void inflate(double r) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = below(low[k] - r);
+      high[k] = -below(-high[k] - r);
+    }
+  }
   bool overlaps(const Box& other) const {
     for (int k = 0; k < 3; ++k)
       if (low[k] > other.high[k] || other.low[k] > high[k]) return false;

@@ -1,6 +1,7 @@
 #include "src/contact/contact_search.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace taut {
 
@@ -71,71 +72,93 @@ ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
     : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles), own_(cloth.mesh.vertices.owned),
       obstacle_count_(obstacles.vertices()) {}
 
-void ContactSearch::find(const Motion& motion, double reach) {
-  found_.clear();
-  elements_.find(motion, reach);
-  spare_.clear();
-  for (const BoxPair& pair : elements_.pairs()) spare_.push_back(meet(pair, -HUGE_VAL, 0.0));
-  meet_planes(motion, reach);
+void ContactSearch::find(const Motion& motion, double reach, double slack) {
+  reach_ = reach;
+  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
+  near_ = {};
+  plane_held_.assign(obstacles_.planes().size() * own_, false);
+  elements_.find(motion, reach, slack);
+  look(std::vector<double>(ends_.size(), 0.0));
   place_in_fields();
 }
 
-bool ContactSearch::widen(std::span<const double> strayed) {
-  const MPI_Comm comm = cloth_.mesh.comm;
-  double farthest = 0;
-  for (Local i = 0; i < own_; ++i) farthest = std::max(farthest, strayed[i]);
-  std::vector<double> of_element;
-  elements_.largest_of_elements(strayed, max_over(comm, farthest), of_element);
-  const std::size_t before = found_.size();
-  const auto pairs = elements_.pairs();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const double together = of_element[pairs[k].first] + of_element[pairs[k].second];
-    if (spare_[k] <= together) spare_[k] = meet(pairs[k], spare_[k], together);
-  }
-  const bool more = any_of(comm, found_.size() > before);
-  if (more) place_in_fields();
-  return more;
+/// What was to spare is less by what the elements have strayed.
+bool ContactSearch::follow(const Motion& motion) {
+  std::vector<double> strayed;
+  for (std::size_t i = 0; i < ends_.size(); ++i) strayed.push_back((motion.cloth_to[i] - ends_[i]).norm());
+  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
+  elements_.follow(motion);
+  const std::size_t before = near_.found.size();
+  const bool was_across = !across_.found.empty();
+  look(strayed);
+  const bool is_other = near_.found.size() > before || was_across || !across_.found.empty();
+  if (!any_of(cloth_.mesh.comm, is_other)) return false;
+  place_in_fields();
+  return true;
 }
 
-/// Keeps the pairs of features of two elements that `from` to `to` (m) more motion towards each other than
-/// the search knows of brings within reach; returns how much it takes to bring another one there.
-double ContactSearch::meet(const BoxPair& elements, double from, double to) {
+void ContactSearch::look(std::span<const double> strayed) {
+  across_ = {};
+  look_at(elements_.pairs(), strayed, near_);
+  look_at(elements_.pairs_across(), strayed, across_);
+  look_at_planes();
+}
+
+void ContactSearch::look_at(std::span<const BoxPair> pairs, std::span<const double> strayed,
+                            Near& near) const {
+  near.spare.resize(pairs.size(), 0.0);
+  near.held.resize(pairs.size(), 0);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    near.spare[k] -= elements_.largest(pairs[k].first, strayed) + elements_.largest(pairs[k].second, strayed);
+    if (near.spare[k] <= 0) near.spare[k] = meet(pairs[k], near.held[k], near.found);
+  }
+}
+
+/// Keeps the pairs of features of two elements that come within reach, if it does not hold them yet; returns
+/// how much more motion it takes to bring another one there.
+double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
   const ElementSearch::Range range = elements_.range(elements);
   const Vec3 across = elements_.direction(elements);
   const Extent along_a(a, elements_.positions(), across), along_b(b, elements_.positions(), across);
-  if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > to) return spare;
+  if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > 0) return spare;
   const std::int16_t body = std::max(a.body, b.body);
   const double radius = body >= 0 ? obstacles_.body(body).radius : 0.0;
   double least = HUGE_VAL;
+  std::uint16_t bit = 1; // of at most six pairs of vertex and face and nine of edges
   for_each_feature_pair(a, b, along_a, along_b, elements_.vertices(),
                         [&](PairKind kind, const std::array<Local, 4>& vertices, double apart_across) {
+                          const std::uint16_t mine = std::exchange(bit, bit << 1);
+                          if (held & mine) return;
                           const Pair pair{vertices, kind, body, radius, Vec3::Zero()};
-                          const double spare = spare_of(pair, range, apart_across, to);
-                          if (spare > to)
+                          const double spare = spare_of(pair, range, apart_across);
+                          if (spare > 0) {
                             least = std::min(least, spare);
-                          else if (spare >= from)
-                            found_.push_back(pair);
+                          } else {
+                            found.push_back(pair);
+                            held |= mine;
+                          }
                         });
   return least;
 }
 
-/// How much more motion (m) brings a pair of features within reach, at least, and just so much where it is at
-/// most `to`. Planes across the direction between the elements tell most features apart, those across the
-/// direction between the features most of the others.
-double ContactSearch::spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across,
-                               double to) const {
-  if (apart_across - range.far > to) return apart_across - range.far;
+/// How much more motion (m) brings a pair of features within reach, at least. Planes across the direction
+/// between the elements tell most features apart, those across the direction between the features most of the
+/// others.
+double ContactSearch::spare_of(const Pair& pair, const ElementSearch::Range& range,
+                               double apart_across) const {
+  if (apart_across > range.far) return apart_across - range.far;
   const Four x = at(pair, elements_.positions());
   const double separate = separation(pair.kind, x) - range.far;
-  if (separate > to) return separate;
+  if (separate > 0) return separate;
   const Approach here = approach(pair, x);
   const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
   return std::max(here.gap + pair.radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
 }
 
-void ContactSearch::meet_planes(const Motion& motion, double reach) {
+void ContactSearch::look_at_planes() {
   const Local cloth = cloth_.mesh.vertices.size();
+  auto held = plane_held_.begin();
   for (const Obstacles::Plane& plane : obstacles_.planes()) {
     const Local point = cloth + plane.point;
     Pair pair{{0, point, point, point},
@@ -143,12 +166,13 @@ void ContactSearch::meet_planes(const Motion& motion, double reach) {
               std::int16_t(plane.body),
               obstacles_.body(plane.body).radius,
               plane.normal};
-    for (Local i = 0; i < own_; ++i) {
+    for (Local i = 0; i < own_; ++i, ++held) {
       pair.vertices[0] = i;
       const double gap = approach(pair, at(pair, elements_.positions())).gap;
       const double approaching = closing(pair, at(pair, elements_.displacements()), plane.normal);
-      const double near = reach + (motion.cloth_slack.empty() ? 0.0 : motion.cloth_slack[i]);
-      if (gap - std::max(0.0, approaching) <= near) found_.push_back(pair);
+      if (*held || gap - std::max(0.0, approaching) > reach_) continue;
+      near_.found.push_back(pair);
+      *held = true;
     }
   }
 }
@@ -161,8 +185,10 @@ void ContactSearch::place_in_fields() {
   const auto before = [](const SurfaceVertex& a, const SurfaceVertex& b) {
     return std::pair(a.owner, a.place) < std::pair(b.owner, b.place);
   };
+  pairs_ = near_.found;
+  pairs_.insert(pairs_.end(), across_.found.begin(), across_.found.end());
   std::vector<SurfaceVertex> ghosts;
-  for (const Pair& p : found_)
+  for (const Pair& p : pairs_)
     for (const Local v : p.vertices)
       if (vertices[v].owner != me) ghosts.push_back(vertices[v]);
   std::sort(ghosts.begin(), ghosts.end(), before);
@@ -171,7 +197,6 @@ void ContactSearch::place_in_fields() {
                              return a.owner == b.owner && a.place == b.place;
                            }),
                ghosts.end());
-  pairs_ = found_;
   for (Pair& p : pairs_)
     for (Local& v : p.vertices) {
       const SurfaceVertex& vertex = vertices[v];

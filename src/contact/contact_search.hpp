@@ -15,14 +15,14 @@ public:
   ContactSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
-  /// lines from where they are to where the motion ends. Its slack tells how far from there they may be in
-  /// `widen`; planes are looked for within all of it. Collective.
-  void find(const Motion& motion, double reach);
+  /// lines from where they are to where the motion ends. `slack` (m) is how far cloth may stray from there
+  /// before `follow` has to look at more than what is near already. Collective.
+  void find(const Motion& motion, double reach, double slack = 0.0);
 
-  /// Adds the pairs that can come within reach on the way to anywhere within `strayed` (m, of local cloth
-  /// vertices, ghosts current, at most the slack of the motion) of where the motion ends. True if that are
-  /// any, on any rank; then all pairs have new places. Collective.
-  bool widen(std::span<const double> strayed);
+  /// The motion goes on from somewhere on its way, and ends elsewhere: adds the pairs that can come within
+  /// reach now, and keeps those that could before and need no other rank. True if all pairs have new places.
+  /// Collective.
+  bool follow(const Motion& motion);
 
   std::span<const Pair> pairs() const { return pairs_; }
 
@@ -50,18 +50,29 @@ public:
   void take_least(std::vector<double>& field) const { plan_.reverse_min<double>(field, field); }
 
 private:
-  double meet(const BoxPair& elements, double from, double to);
-  double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across, double to) const;
-  void meet_planes(const Motion& motion, double reach);
+  /// Of pairs of elements, what their features do.
+  struct Near {
+    std::vector<double> spare;       ///< m, until another pair of their features is near, at least
+    std::vector<std::uint16_t> held; ///< which of them are in `found`, a bit for each
+    std::vector<Pair> found;         ///< their vertices are places in the fields of `elements_`
+  };
+
+  void look(std::span<const double> strayed);
+  void look_at(std::span<const BoxPair> pairs, std::span<const double> strayed, Near& near) const;
+  double meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const;
+  double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;
+  void look_at_planes();
   void place_in_fields();
 
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   ElementSearch elements_;
   Local own_, obstacle_count_;
-  std::vector<double> spare_; ///< m, for each pair of elements, of its features that are not in `found_`
-  std::vector<Pair> found_;   ///< their vertices are places in the fields of `elements_`
-  std::vector<Pair> pairs_;   ///< the same as places in contact fields
+  double reach_ = 0;
+  std::vector<Vec3> ends_;       ///< m, where the motion takes the cloth
+  Near near_, across_;           ///< of this rank, and with elements of others
+  std::vector<bool> plane_held_; ///< for every plane and own vertex
+  std::vector<Pair> pairs_;      ///< all found, as places in contact fields
   std::vector<Global> keys_;
   Plan plan_;
 };

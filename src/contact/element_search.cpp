@@ -8,6 +8,7 @@ namespace taut {
 namespace {
 
 constexpr int blocks_per_rank = 32;
+constexpr double ample = 1.5; ///< of what its vertices strayed: the new slack of an element
 
 /// Of two ranks, whether `rank` sends its elements to `other` and leaves the search to it; evenly shared.
 bool sends_to(int rank, int other) { return ((rank + other) % 2 == 0) == (rank < other) && rank != other; }
@@ -17,6 +18,10 @@ std::vector<Box> blocks_of(std::span<const Box> boxes) {
   std::vector<Box> blocks(blocks_per_rank);
   for (std::size_t i = 0; i < boxes.size(); ++i) blocks[i * blocks_per_rank / boxes.size()].include(boxes[i]);
   return blocks;
+}
+
+void append(std::span<const BoxPair> found, Local first, std::vector<BoxPair>& pairs) {
+  for (const auto& [i, j] : found) pairs.emplace_back(i, first + j);
 }
 
 Box around(std::span<const Box> boxes) {
@@ -48,31 +53,73 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
   known_elements_ = Local(elements_.size());
 }
 
-void ElementSearch::find(const Motion& motion, double reach) {
+void ElementSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach;
   take_positions(motion);
-  elements_.resize(known_elements_);
+  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
+  slack_.assign(own_, slack);
   boxes_.clear();
-  balls_.clear();
-  pairs_.clear();
-  const BoxTree own = bound(0, own_), bodies = bound(own_, known_elements_);
-  append_pairs(own.pairs(), 0);
-  append_pairs(own.pairs_with(bodies), own_);
+  for (Local i = 0; i < known_elements_; ++i) boxes_.push_back(box_around(i));
+  own_tree_ = tree(0, own_);
+  pairs_ = own_tree_.pairs();
+  append(own_tree_.pairs_with(tree(own_, known_elements_)), own_, pairs_);
+  find_across();
+}
+
+void ElementSearch::follow(const Motion& motion) {
+  take_positions(motion);
+  extend(motion.cloth_to);
+  find_across();
+}
+
+/// A pair is new where the boxes overlap and those before did not.
+void ElementSearch::extend(std::span<const Vec3> cloth_to) {
+  std::vector<double> strayed;
+  for (std::size_t i = 0; i < ends_.size(); ++i) strayed.push_back((cloth_to[i] - ends_[i]).norm());
+  const std::vector<Box> before(boxes_.begin(), boxes_.begin() + own_);
+  std::vector<bool> is_grown(own_, false);
+  std::vector<Local> grown;
+  std::vector<Box> grown_boxes;
+  for (Local i = 0; i < own_; ++i) {
+    const double wanted = largest(i, strayed);
+    if (wanted <= slack_[i]) continue;
+    boxes_[i].inflate(ample * wanted - slack_[i]);
+    slack_[i] = ample * wanted;
+    is_grown[i] = true;
+    grown.push_back(i);
+    grown_boxes.push_back(boxes_[i]);
+  }
+  if (grown.empty()) return;
+  own_tree_ = tree(0, own_);
+  BoxTree of_grown;
+  of_grown.build(std::move(grown_boxes));
+  for (const auto& [g, j] : of_grown.pairs_with(own_tree_)) {
+    const Local i = grown[g];
+    const bool is_other = is_grown[j] ? i < j : i != j; // two that have grown meet twice
+    if (is_other && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
+  }
+  for (const auto& [g, j] : of_grown.pairs_with(tree(own_, known_elements_)))
+    if (!before[grown[g]].overlaps(boxes_[own_ + j])) pairs_.emplace_back(grown[g], own_ + j);
+}
+
+/// Whatever other ranks had sent before is forgotten.
+void ElementSearch::find_across() {
+  elements_.resize(known_elements_);
+  boxes_.resize(known_elements_);
   receive_elements();
-  append_pairs(own.pairs_with(bound(known_elements_, Local(elements_.size()))), known_elements_);
+  balls_.clear();
+  for (const Element& e : elements_) balls_.push_back(ball_around(e));
+  pairs_across_.clear();
+  append(own_tree_.pairs_with(tree(known_elements_, Local(elements_.size()))), known_elements_,
+         pairs_across_);
 }
 
-void ElementSearch::append_pairs(std::span<const BoxPair> found, Local first) {
-  for (const auto& [i, j] : found) pairs_.emplace_back(i, first + j);
-}
-
-void ElementSearch::largest_of_elements(std::span<const double> cloth, double elsewhere,
-                                        std::vector<double>& largest) const {
-  largest.assign(elements_.size(), 0.0);
-  for (Local i = 0; i < own_; ++i)
-    for (int k = 0; k < elements_[i].corners; ++k)
-      largest[i] = std::max(largest[i], cloth[elements_[i].vertices[k]]);
-  std::fill(largest.begin() + known_elements_, largest.end(), elsewhere);
+double ElementSearch::largest(Local element, std::span<const double> cloth) const {
+  double most = 0;
+  if (element >= own_) return most;
+  const Element& e = elements_[element];
+  for (int k = 0; k < e.corners; ++k) most = std::max(most, cloth[e.vertices[k]]);
+  return most;
 }
 
 /// Positions and displacements of the known vertices. What all have in common does not bring anything
@@ -89,25 +136,22 @@ void ElementSearch::take_positions(const Motion& m) {
   sum_in_place(cloth_.mesh.comm, sum);
   for (std::size_t i = 0; i < m.obstacles_from.size(); ++i)
     u_.emplace_back(m.obstacles_to[i] - m.obstacles_from[i]);
-  slack_.assign(m.cloth_slack.begin(), m.cloth_slack.end());
-  slack_.resize(x_.size(), 0.0);
   const Vec3 mean = Vec3(sum[0], sum[1], sum[2]) / double(cloth_.mesh.vertices.total);
   for (Vec3& u : u_) u -= mean;
 }
 
-/// Boxes and balls around the elements from `first` to `last`, and a tree of the boxes.
-BoxTree ElementSearch::bound(Local first, Local last) {
-  for (Local i = first; i < last; ++i) {
-    const Element& e = elements_[i];
-    balls_.push_back(ball_around(e));
-    Box& box = boxes_.emplace_back();
-    for (int k = 0; k < e.corners; ++k) {
-      const Local v = e.vertices[k];
-      const double radius = 0.5 * reach_ + slack_[v] + balls_.back().thickness;
-      box.include(x_[v], radius);
-      box.include(x_[v] + u_[v], radius);
-    }
+Box ElementSearch::box_around(Local element) const {
+  const Element& e = elements_[element];
+  const double radius = 0.5 * reach_ + (e.body < 0 ? slack_[element] : obstacles_.body(e.body).radius);
+  Box box;
+  for (int k = 0; k < e.corners; ++k) {
+    box.include(x_[e.vertices[k]], radius);
+    box.include(x_[e.vertices[k]] + u_[e.vertices[k]], radius);
   }
+  return box;
+}
+
+BoxTree ElementSearch::tree(Local first, Local last) const {
   BoxTree tree;
   tree.build({boxes_.begin() + first, boxes_.begin() + last});
   return tree;
@@ -148,9 +192,9 @@ void ElementSearch::receive_elements() {
       vertices_.push_back(s.vertices[k]);
       x_.push_back(s.x[k]);
       u_.push_back(s.u[k]);
-      slack_.push_back(s.slack[k]);
     }
     elements_.push_back(element);
+    boxes_.push_back(s.box);
   }
 }
 
@@ -163,12 +207,12 @@ void ElementSearch::append_elements_near(std::span<const Box> blocks, std::vecto
       continue;
     SentElement& s = found.emplace_back();
     s.element = elements_[i];
+    s.box = boxes_[i];
     for (int k = 0; k < s.element.corners; ++k) {
       const Local v = s.element.vertices[k];
       s.vertices[k] = vertices_[v];
       s.x[k] = x_[v];
       s.u[k] = u_[v];
-      s.slack[k] = slack_[v];
     }
   }
 }

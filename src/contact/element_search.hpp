@@ -9,8 +9,6 @@ namespace taut {
 struct Motion {
   std::span<const Vec3> cloth_from, cloth_to;         ///< m, of local vertices, ghosts current
   std::span<const Vec3> obstacles_from, obstacles_to; ///< m
-  /// m, how far from `cloth_to` each vertex may come to be; if empty, nowhere else.
-  std::span<const double> cloth_slack = {};
 };
 
 /// A vertex of cloth or of an obstacle as all ranks know it.
@@ -29,12 +27,19 @@ public:
   ElementSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
-  /// straight lines, to where the motion ends or anywhere within its slack of that, by boxes around them: a
-  /// superset. Collective.
-  void find(const Motion& motion, double reach);
+  /// straight lines, to where the motion ends or, of cloth, anywhere within `slack` (m) of that, by boxes
+  /// around them: a superset. Collective.
+  void find(const Motion& motion, double reach, double slack);
 
-  /// The pairs of elements; the first is cloth of this rank.
+  /// The motion starts somewhere on the way of the one before, and ends elsewhere. Appends to the pairs what
+  /// is near where vertices left their slack, and makes those across ranks anew. Collective.
+  void follow(const Motion& motion);
+
+  /// The pairs of elements of this rank's cloth with each other and with obstacles; the first is cloth.
   std::span<const BoxPair> pairs() const { return pairs_; }
+
+  /// The pairs of an element of this rank's cloth and one of another's.
+  std::span<const BoxPair> pairs_across() const { return pairs_across_; }
 
   /// Its vertices are places in the fields below.
   const Element& element(Local k) const { return elements_[k]; }
@@ -54,10 +59,8 @@ public:
     return (balls_[pair.first].centre - balls_[pair.second].centre).normalized();
   }
 
-  /// m, for every element, the largest of its vertices' values (m, of local cloth vertices); of obstacles 0,
-  /// of what came from other ranks `elsewhere`.
-  void largest_of_elements(std::span<const double> cloth, double elsewhere,
-                           std::vector<double>& largest) const;
+  /// The largest of an element's vertices' values (of local cloth vertices); of obstacles 0.
+  double largest(Local element, std::span<const double> cloth) const;
 
   /// Of local cloth vertices, then of obstacles, then of what came from other ranks.
   std::span<const SurfaceVertex> vertices() const { return vertices_; }
@@ -71,7 +74,7 @@ private:
     Element element;
     std::array<SurfaceVertex, 3> vertices;
     std::array<Vec3, 3> x, u;
-    std::array<double, 3> slack;
+    Box box;
   };
   struct Ball {
     Vec3 centre, motion; ///< means over the vertices, m
@@ -80,24 +83,28 @@ private:
   };
 
   void take_positions(const Motion& motion);
-  BoxTree bound(Local first, Local last);
+  void extend(std::span<const Vec3> cloth_to);
   Ball ball_around(const Element& element) const;
+  Box box_around(Local element) const;
+  BoxTree tree(Local first, Local last) const;
+  void find_across();
   void receive_elements();
   void append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const;
-  void append_pairs(std::span<const BoxPair> found, Local first);
 
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   std::vector<SurfaceVertex> known_; ///< the part of `vertices_` that stays
   std::vector<SurfaceVertex> vertices_;
   std::vector<Vec3> x_, u_;
-  std::vector<double> slack_;
+  std::vector<Vec3> ends_;    ///< m, of local vertices; boxes and slack are around them
+  std::vector<double> slack_; ///< m, of elements of this rank's cloth
   double reach_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   Local own_, known_elements_;    ///< so many are of this rank's cloth, of that and the obstacles
-  std::vector<Box> boxes_;
+  std::vector<Box> boxes_;        ///< in a frame that moves like the cloth on the mean
+  BoxTree own_tree_;
   std::vector<Ball> balls_;
-  std::vector<BoxPair> pairs_;
+  std::vector<BoxPair> pairs_, pairs_across_;
 };
 
 } // namespace taut

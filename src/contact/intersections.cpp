@@ -20,8 +20,9 @@ Intersections::Intersections(const Cloth& cloth, const Obstacles& obstacles)
 
 std::vector<Intersection> Intersections::find(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
   found_.clear();
-  search_.find({cloth, cloth, obstacles, obstacles}, 0.0);
-  for (const auto& [a, b] : search_.pairs()) compare(search_.element(a), search_.element(b));
+  search_.find({cloth, cloth, obstacles, obstacles}, 0.0, 0.0);
+  for (const auto pairs : {search_.pairs(), search_.pairs_across()})
+    for (const auto& [a, b] : pairs) compare(search_.element(a), search_.element(b));
   look_behind_planes();
   return found_;
 }

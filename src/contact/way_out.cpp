@@ -37,8 +37,9 @@ std::vector<Vec3> WayOut::find(std::span<const Vec3> cloth, std::span<const Vec3
   owners_.clear();
   pierced_.clear();
   crossed_.clear();
-  elements_.find({cloth, cloth, obstacles, obstacles}, 0.0);
-  for (const auto& [a, b] : elements_.pairs()) shorten(elements_.element(a), elements_.element(b));
+  elements_.find({cloth, cloth, obstacles, obstacles}, 0.0, 0.0);
+  for (const auto pairs : {elements_.pairs(), elements_.pairs_across()})
+    for (const auto& [a, b] : pairs) shorten(elements_.element(a), elements_.element(b));
   std::vector<Vec3> moves = moves_along_curves();
   const bool crosses = any_of(cloth_.mesh.comm, !pushes_.empty());
   leave_bodies(cloth, obstacles, leave_solids(obstacles, moves) || crosses, moves);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
 constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double slack = 2.0;       ///< of the thickness: how far a target may leave a search
-constexpr int patience = 6;         ///< iterations until stuck vertices are let go
+constexpr double slack = 1.0; ///< of the thickness: how far a target may stray before a search is extended
+constexpr int patience = 6;   ///< iterations until stuck vertices are let go
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
 /// something strikes hard does not soften the edges.
@@ -41,8 +41,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
     : comm_(cloth.mesh.comm), cloth_(cloth), limits_(input.inextensibility),
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
-      slack_(cloth, slack * thickness_.largest()), cones_(obstacles),
-      compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
+      cones_(obstacles), compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
       gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
       shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
       change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()),
@@ -59,7 +58,11 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   };
   begin(start, dt, freedom, candidate);
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
-  timed([&] { search(); });
+  timed([&] {
+    search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_.largest(),
+                 slack * thickness_.largest());
+    take_pairs();
+  });
   for (iteration_ = 1;; ++iteration_) {
     make_rows();
     const double strain = strain_at_target(freedom);
@@ -74,7 +77,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     if (!report.failure.empty()) break;
     double alpha = 1;
     timed([&] {
-      follow();
+      if (search_.follow({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles})) take_pairs();
       alpha = step_length();
     });
     advance_safe(alpha);
@@ -133,21 +136,6 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   }
   for (std::size_t e = 0; e < mu_.size(); ++e)
     mu_[e] = 0.5 * candidate.force_density[e] * cloth_.rest_length[e] * dt * dt;
-}
-
-void ContactProjection::search() {
-  search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles, slack_.values()},
-               2.0 * thickness_.largest());
-  slack_.note_search(target_.cloth);
-  take_pairs();
-}
-
-/// Looks at what the target has come near since it was searched around.
-void ContactProjection::follow() {
-  if (!slack_.holds(target_.cloth))
-    search();
-  else if (search_.widen(slack_.strayed()))
-    take_pairs();
 }
 
 void ContactProjection::take_pairs() {

@@ -1,6 +1,5 @@
 #pragma once
 #include "src/contact/normal_cones.hpp"
-#include "src/contact/search_slack.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/contact_qp.hpp"
 #include "src/filters/velocity_filter.hpp"
@@ -56,8 +55,6 @@ private:
   };
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
-  void search();
-  void follow();
   void take_pairs();
   void look();
   double strain_at_target(const Freedom& freedom);
@@ -86,7 +83,6 @@ private:
   ProjectionSystem system_;
   ContactQp qp_;
   Thickness thickness_;
-  SearchSlack slack_;
   NormalCones cones_;
   double compliance_, gravity_;
 

@@ -19,15 +19,15 @@ constexpr int single_rounds = 10;  ///< of impulses on single pairs, before they
 constexpr int most_products = 200; ///< in the program of a zone
 constexpr double program_left = 1e-3; ///< of the thickness; pairs part by twice that, so that none closes
 constexpr double nearest = 0.2;       ///< of their gap: how near two features may come in a step
-constexpr double search_slack = 2.0;  ///< of the thickness: how far a target may leave a search
+constexpr double search_slack =
+    2.0; ///< of the thickness: how far a target may stray before a search is extended
 
 } // namespace
 
 ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
     : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
       contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
-      slack_(cloth, search_slack * thickness_.largest()), is_last_(config::contact_is_last(input)),
-      inverse_mass_(cloth.mesh.vertices.size()) {}
+      is_last_(config::contact_is_last(input)), inverse_mass_(cloth.mesh.vertices.size()) {}
 
 FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
                                    Candidate& candidate) {
@@ -40,7 +40,10 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {
-    if (follow()) zone.clear(); // its numbers were those of the pairs before
+    if (search_.follow({start_, target_, bodies_from_, bodies_to_})) {
+      take_pairs();
+      zone.clear(); // its numbers were those of the pairs before
+    }
     const std::vector<Impact> meeting = meetings(zone);
     const Global count = sum_over(comm, Global(meeting.size()));
     if (count == 0) break;
@@ -73,24 +76,9 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time, bodies_from_);
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  search();
-}
-
-void ImpulseContact::search() {
-  search_.find({start_, target_, bodies_from_, bodies_to_, slack_.values()}, thickness_.largest());
-  slack_.note_search(target_);
+  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_.largest(),
+               search_slack * thickness_.largest());
   take_pairs();
-}
-
-/// Looks at what the target has come near since it was searched around. True if the pairs are others.
-bool ImpulseContact::follow() {
-  if (!slack_.holds(target_)) {
-    search();
-    return true;
-  }
-  const bool more = search_.widen(slack_.strayed());
-  if (more) take_pairs();
-  return more;
 }
 
 void ImpulseContact::take_pairs() {

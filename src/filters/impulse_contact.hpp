@@ -1,6 +1,5 @@
 #pragma once
 #include "src/contact/contact_search.hpp"
-#include "src/contact/search_slack.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/velocity_filter.hpp"
 
@@ -39,8 +38,6 @@ private:
   using Zone = std::map<ContactKey, Impact>;
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
-  void search();
-  bool follow();
   void take_pairs();
   void take_displacements();
   std::optional<Impact> impact(const Pair& pair, const Approach& approach, double wanted) const;
@@ -56,7 +53,6 @@ private:
   ContactSearch search_;
   config::Contact contact_;
   Thickness thickness_;
-  SearchSlack slack_;
   bool is_last_; ///< and so must leave nothing that meets
 
   // of the step in hand
