@@ -7,7 +7,7 @@ namespace taut {
 
 namespace {
 
-/// The (at most two) edges that continue each edge, -1 for none.
+/// The edges that continue each edge at its first and at its second vertex, -1 for none.
 std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local, 2>> edges,
                                                 std::span<const std::array<Local, 3>> triples) {
   const auto key = [](Local a, Local b) {
@@ -22,24 +22,22 @@ std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local
     const auto one = edge_of.find(key(before, centre)), two = edge_of.find(key(centre, after));
     if (one == edge_of.end() || two == edge_of.end()) continue;
     for (const auto& [e, f] : {std::pair{one->second, two->second}, std::pair{two->second, one->second}})
-      next[e][next[e][0] < 0 ? 0 : 1] = f;
+      next[e][edges[e][0] == centre ? 0 : 1] = f;
   }
   return next;
 }
 
 } // namespace
 
-YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
-                        std::span<const std::array<Local, 3>> triples) {
+std::vector<Local> order_by_yarn(std::span<const std::array<Local, 2>> edges,
+                                 std::span<const std::array<Local, 3>> triples) {
   const auto next = continuations(edges, triples);
-  YarnOrder yarns;
+  std::vector<Local> order;
   std::vector<char> placed(edges.size(), 0);
-  yarns.order.reserve(edges.size());
-  yarns.continues.reserve(edges.size());
-  const auto walk_from = [&](Local e) {
-    for (Local previous = -1; e >= 0 && !placed[e];) {
-      yarns.order.push_back(e);
-      yarns.continues.push_back(previous >= 0);
+  order.reserve(edges.size());
+  const auto walk = [&](Local e, Local previous) {
+    while (e >= 0 && !placed[e]) {
+      order.push_back(e);
       placed[e] = 1;
       const Local onward = next[e][0] != previous ? next[e][0] : next[e][1];
       previous = e;
@@ -47,10 +45,10 @@ YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
     }
   };
   for (std::size_t e = 0; e < edges.size(); ++e) // open yarns, from an end
-    if (!placed[e] && next[e][1] < 0) walk_from(Local(e));
+    if (!placed[e] && (next[e][0] < 0 || next[e][1] < 0)) walk(Local(e), -1);
   for (std::size_t e = 0; e < edges.size(); ++e) // what is left is closed
-    if (!placed[e]) walk_from(Local(e));
-  return yarns;
+    if (!placed[e]) walk(Local(e), next[e][0]);
+  return order;
 }
 
 } // namespace taut
