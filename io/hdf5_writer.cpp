@@ -86,25 +86,21 @@ void H5Writer::write(const std::string& name, std::span<const Vec3> my_rows, Sla
   write_rows(name, my_rows.data(), H5T_NATIVE_DOUBLE, 3, rows);
 }
 
+/// Each rank writes its rows, which lie together in the file, by itself: to do so in one operation, ranks
+/// would have to agree some ten times.
 void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows) {
   std::vector<hsize_t> shape{static_cast<hsize_t>(rows.total)};
   if (columns != 1) shape.push_back(static_cast<hsize_t>(columns));
   set_aside(rows.total * columns * static_cast<Global>(H5Tget_size(type)));
-  H5Handle dataset;
   h5::collectively(comm_, subject(path_, name), cure, [&] {
     const h5::Selection selection = h5::select(shape, rows);
     const H5Handle links = with_groups(), creation = unfilled_and_undated();
-    dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(), links.get(),
-                                 creation.get(), H5P_DEFAULT),
-                      H5Dclose);
-  });
-  if (rows.total == 0) return; // HDF5 cannot move nothing to nowhere
-  h5::collectively(comm_, subject(path_, name), cure, [&] {
-    const h5::Selection selection = h5::select(shape, rows);
-    const H5Handle transfer =
-        size_of(comm_) > 1 ? h5::collective_transfer() : h5::own(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+    const H5Handle dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(),
+                                                links.get(), creation.get(), H5P_DEFAULT),
+                                     H5Dclose);
+    if (rows.count == 0) return;
     h5::require(
-        H5Dwrite(dataset.get(), type, selection.memory.get(), selection.file.get(), transfer.get(), my_rows));
+        H5Dwrite(dataset.get(), type, selection.memory.get(), selection.file.get(), H5P_DEFAULT, my_rows));
   });
 }
 
