@@ -208,12 +208,13 @@ void FrameWriter::write_frame(const State& state, Global frame) {
   const DistributedMesh& mesh = cloth_.mesh;
   const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(),
              faces = mesh.cell_order.slab();
-  const auto write_field = [&](H5Writer& file, const char* name, const std::vector<double>& values,
-                               const WarpWeft& on_cells) {
+  const auto write_edges = [&](H5Writer& file, const char* name, const std::vector<double>& values) {
     file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
-    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1,
+  };
+  const auto write_cells = [&](H5Writer& file, const char* name, const WarpWeft& values) {
+    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(values.warp), 1,
                        faces);
-    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1,
+    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(values.weft), 1,
                        faces);
   };
   const auto fill = [&](H5Writer& file) {
@@ -223,11 +224,14 @@ void FrameWriter::write_frame(const State& state, Global frame) {
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
     if (contact_) contact_->write(file, state);
-    if (wants(strain))
-      write_field(file, "strain", strains_of_edges(cloth_, state), strains_of_cells(cloth_, state.positions));
+    if (wants(strain)) {
+      write_edges(file, "strain", strains_of_edges(cloth_, state));
+      write_cells(file, "strain", strains_of_cells(cloth_, state.positions));
+    }
     if (wants(tension)) {
       const auto tensions = tensions_of_edges(cloth_, state);
-      write_field(file, "tension", tensions, mean_over_sides(mesh, tensions));
+      write_edges(file, "tension", tensions);
+      write_cells(file, "tension", mean_over_sides(mesh, tensions));
     }
     if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);
   };
