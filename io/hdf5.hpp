@@ -1,4 +1,5 @@
 #pragma once
+#include "io/whole_file.hpp"
 #include "partition/mesh_slab.hpp"
 #include "partition/types.hpp"
 
@@ -57,24 +58,27 @@ public:
   void attribute(const std::string& name, std::int64_t value);
   void attribute(const std::string& name, const std::string& value);
 
-  /// Flushes to the disk and publishes under the final name.
-  void close();
+  /// Publishes under the final name.
+  void close(Outlives outlives);
 
 private:
   void write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows);
   void write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size);
-  void set_aside(Global end);
+  void set_aside(Global more);
+  void close_shared();
+  void close_own();
 
   MPI_Comm comm_;
   std::filesystem::path path_;
   H5Handle file_;
-  Global room_ = 0; ///< bytes at the beginning of the file that the disk has set aside
+  Global needed_ = 0; ///< bytes that the file may take so far
+  Global room_ = 0;   ///< bytes at the beginning of the file that the disk has set aside
 };
 
 /// Writes the file `path` with what `fill` puts into it, or leaves things as they were: if `fill` throws (on
 /// every rank), or the disk is full, no trace remains and the exception goes on.
-void write_whole(MPI_Comm comm, const std::filesystem::path& path,
-                 const std::function<void(H5Writer&)>& fill);
+void write_whole(MPI_Comm comm, const std::filesystem::path& path, const std::function<void(H5Writer&)>& fill,
+                 Outlives outlives = Outlives::machine);
 
 /// A file open for reading.
 class H5Reader {

@@ -45,6 +45,10 @@ H5Handle shared_access(MPI_Comm comm) {
   return access;
 }
 
+H5Handle creating_access(MPI_Comm comm) {
+  return size_of(comm) > 1 ? shared_access(comm) : own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+}
+
 H5Handle collective_transfer() {
   H5Handle transfer = own(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   require(H5Pset_dxpl_mpio(transfer.get(), H5FD_MPIO_COLLECTIVE));

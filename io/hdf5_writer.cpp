@@ -1,5 +1,4 @@
 #include "io/hdf5_error.hpp"
-#include "io/whole_file.hpp"
 
 #include <algorithm>
 
@@ -12,6 +11,9 @@ constexpr const char* cure = "check that the folder exists, may be written to an
 
 /// Bytes; far more than one call adds of HDF5's own: names, headers, tables.
 constexpr Global own_needs = 1 << 16;
+
+/// Bytes; so much more than is needed now may be set aside at once.
+constexpr Global most_ahead = 1 << 24;
 
 std::string subject(const fs::path& path, const std::string& name) {
   return fmt::format("{}: {} cannot be written", path.string(), name);
@@ -30,10 +32,12 @@ H5Handle with_groups() {
 }
 
 /// Every row is written once, so filling with zeros first would be lost work. A time of creation would be
-/// each rank's own clock, in what all ranks must write alike.
+/// each rank's own clock, in what all ranks must write alike. Room in the file is given at once, as MPI-IO
+/// does, so that the file is the same without it.
 H5Handle unfilled_and_undated() {
   H5Handle creation = h5::own(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   h5::require(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
+  h5::require(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY));
   h5::require(H5Pset_obj_track_times(creation.get(), false));
   return creation;
 }
@@ -50,10 +54,10 @@ H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(
   try {
     set_aside(0); // a full disk or a missing folder shows here, before HDF5 is concerned
     h5::collectively(comm_, fmt::format("{}: cannot be created", path_.string()), cure, [&] {
-      const H5Handle access = h5::shared_access(comm_);
+      const H5Handle access = h5::creating_access(comm_);
       file_ = h5::own(H5Fcreate(part_of(path_).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
     });
-    room_ = 0; // HDF5 began the file anew
+    needed_ = room_ = 0; // HDF5 began the file anew
     set_aside(0);
   } catch (const InputError&) {
     remove_on_rank_0(comm_, part_of(path_));
@@ -82,32 +86,32 @@ void H5Writer::write(const std::string& name, std::span<const Vec3> my_rows, Sla
   write_rows(name, my_rows.data(), H5T_NATIVE_DOUBLE, 3, rows);
 }
 
+/// Each rank writes its rows, which lie together in the file, by itself: to do so in one operation, ranks
+/// would have to agree some ten times.
 void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows) {
   std::vector<hsize_t> shape{static_cast<hsize_t>(rows.total)};
   if (columns != 1) shape.push_back(static_cast<hsize_t>(columns));
-  H5Handle dataset;
+  set_aside(rows.total * columns * static_cast<Global>(H5Tget_size(type)));
   h5::collectively(comm_, subject(path_, name), cure, [&] {
     const h5::Selection selection = h5::select(shape, rows);
     const H5Handle links = with_groups(), creation = unfilled_and_undated();
-    dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(), links.get(),
-                                 creation.get(), H5P_DEFAULT),
-                      H5Dclose);
-  });
-  if (rows.total == 0) return; // HDF5 cannot move nothing to nowhere
-  set_aside(static_cast<Global>(H5Dget_offset(dataset.get()) + H5Dget_storage_size(dataset.get())));
-  h5::collectively(comm_, subject(path_, name), cure, [&] {
-    const h5::Selection selection = h5::select(shape, rows);
-    const H5Handle transfer = h5::collective_transfer();
+    const H5Handle dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(),
+                                                links.get(), creation.get(), H5P_DEFAULT),
+                                     H5Dclose);
+    if (rows.count == 0) return;
     h5::require(
-        H5Dwrite(dataset.get(), type, selection.memory.get(), selection.file.get(), transfer.get(), my_rows));
+        H5Dwrite(dataset.get(), type, selection.memory.get(), selection.file.get(), H5P_DEFAULT, my_rows));
   });
 }
 
-/// Takes the disk room up to `end`, and for what the next call may add of HDF5's own. HDF5 hangs or crashes
-/// when it meets a full disk while closing, and a collective write to one may pass for a success (Open MPI's
-/// does), so room is always taken beforehand, where a refusal does no harm.
-void H5Writer::set_aside(Global end) {
-  end = std::max(end, room_) + own_needs;
+/// Takes the disk room for so many more bytes, and for what HDF5 adds of its own. HDF5 hangs or crashes when
+/// it meets a full disk while closing, and a collective write to one may pass for a success (Open MPI's
+/// does), so room is always taken beforehand, where a refusal does no harm. Room is taken for the next calls
+/// too, as each taking opens the file and makes all ranks wait.
+void H5Writer::set_aside(Global more) {
+  needed_ += more + own_needs;
+  if (needed_ <= room_) return;
+  const Global end = needed_ + std::min(needed_, most_ahead);
   broadcast(comm_, [&] {
     reserve(path_, room_, end);
     return std::string();
@@ -134,7 +138,7 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
 }
 
 void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size) {
-  set_aside(room_ + static_cast<Global>(size));
+  set_aside(static_cast<Global>(size));
   h5::collectively(comm_, subject(path_, "attribute " + name), cure, [&] {
     const H5Handle scalar = h5::own(H5Screate(H5S_SCALAR), H5Sclose);
     const H5Handle attribute = h5::own(
@@ -143,12 +147,12 @@ void H5Writer::write_attribute(const std::string& name, const void* value, hid_t
   });
 }
 
-void H5Writer::close() {
+void H5Writer::close(Outlives outlives) {
   try {
     h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
-                     [&] { h5::require(H5Fclose(file_.release())); });
+                     [&] { size_of(comm_) > 1 ? close_shared() : close_own(); });
     broadcast(comm_, [&] {
-      publish(path_);
+      publish(path_, outlives);
       return std::string();
     });
   } catch (const InputError&) {
@@ -157,10 +161,24 @@ void H5Writer::close() {
   }
 }
 
-void write_whole(MPI_Comm comm, const fs::path& path, const std::function<void(H5Writer&)>& fill) {
+void H5Writer::close_shared() { h5::require(H5Fclose(file_.release())); }
+
+/// Without MPI-IO, HDF5 does not see that the file has been given more room than it needs, and leaves it so.
+void H5Writer::close_own() {
+  h5::require(H5Fflush(file_.get(), H5F_SCOPE_LOCAL));
+  hsize_t size = 0;
+  h5::require(H5Fget_filesize(file_.get(), &size));
+  h5::require(H5Fclose(file_.release()));
+  std::error_code error;
+  fs::resize_file(part_of(path_), size, error);
+  if (error) throw h5::Failure(error.message());
+}
+
+void write_whole(MPI_Comm comm, const fs::path& path, const std::function<void(H5Writer&)>& fill,
+                 Outlives outlives) {
   H5Writer writer(comm, path);
   fill(writer);
-  writer.close();
+  writer.close(outlives);
 }
 
 } // namespace taut

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <set>
 #include <string>
 #include <unistd.h>
 
@@ -44,6 +45,17 @@ void write_all(const Descriptor& file, std::string_view text, const fs::path& pa
   }
 }
 
+void flush(const Descriptor& file, const fs::path& path) {
+  if (::fsync(file.get()) != 0) refuse(path);
+}
+
+/// A name lasts only once its folder is on the disk; some file systems cannot do that, and need not.
+void flush_name(const fs::path& path) {
+  const Descriptor folder(path.has_parent_path() ? path.parent_path() : fs::path("."),
+                          O_RDONLY | O_DIRECTORY);
+  if (folder.get() >= 0) ::fsync(folder.get());
+}
+
 } // namespace
 
 fs::path part_of(const fs::path& path) { return fs::path(path) += ".part"; }
@@ -57,21 +69,31 @@ void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
   if (error != 0) refuse(path, error);
 }
 
-void publish(const fs::path& path) {
+void publish(const fs::path& path, Outlives outlives) {
   const fs::path part = part_of(path);
-  {
+  if (outlives == Outlives::machine) {
     const Descriptor file(part, O_RDONLY);
-    if (file.get() < 0 || ::fsync(file.get()) != 0) refuse(path);
+    if (file.get() < 0) refuse(path);
+    flush(file, path);
   }
   if (::rename(part.c_str(), path.c_str()) != 0) refuse(path);
-  // The new name itself lasts only once the folder is on the disk; some file systems cannot do that, and need
-  // not.
-  const Descriptor folder(path.has_parent_path() ? path.parent_path() : fs::path("."),
-                          O_RDONLY | O_DIRECTORY);
-  if (folder.get() >= 0) ::fsync(folder.get());
+  if (outlives == Outlives::machine) flush_name(path);
 }
 
-void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text) {
+void make_lasting(MPI_Comm comm, std::span<const fs::path> files) {
+  broadcast(comm, [&] {
+    for (const fs::path& path : files) {
+      const Descriptor file(path, O_RDONLY);
+      if (file.get() >= 0) flush(file, path);
+    }
+    std::set<fs::path> folders;
+    for (const fs::path& path : files)
+      if (folders.insert(path.parent_path()).second) flush_name(path);
+    return std::string();
+  });
+}
+
+void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text, Outlives outlives) {
   broadcast(comm, [&] {
     try {
       {
@@ -79,7 +101,7 @@ void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text
         if (file.get() < 0) refuse(path);
         write_all(file, text, path);
       }
-      publish(path);
+      publish(path, outlives);
     } catch (const InputError&) {
       std::error_code ignored; // the first failure is the one to tell
       fs::remove(part_of(path), ignored);

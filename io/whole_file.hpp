@@ -3,11 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 /// Files that are either whole or not there: they are written under a temporary name and renamed when
 /// complete, so that whoever reads the folder, or a run that was cut off, never meets half a file.
 namespace taut {
+
+/// What a file outlives once it has its name: the program, or the machine too, for which one must wait until
+/// it is on the disk.
+enum class Outlives { program, machine };
 
 /// The temporary name of `path` while it is being written: the same folder, ".part" added.
 std::filesystem::path part_of(const std::filesystem::path& path);
@@ -17,12 +22,17 @@ std::filesystem::path part_of(const std::filesystem::path& path);
 /// none.
 void reserve(const std::filesystem::path& path, std::int64_t begin, std::int64_t end);
 
-/// Flushes the complete file `part_of(path)` to the disk and gives it the name `path`. Not collective: rank 0
-/// only. Throws `InputError` if the system refuses.
-void publish(const std::filesystem::path& path);
+/// Gives the complete file `part_of(path)` the name `path`. Not collective: rank 0 only. Throws `InputError`
+/// if the system refuses.
+void publish(const std::filesystem::path& path, Outlives outlives);
+
+/// Files that have their names outlive the machine from here on; those that somebody took away are passed
+/// over. The list of rank 0 counts. Collective. Throws `InputError` on all ranks if the system refuses.
+void make_lasting(MPI_Comm comm, std::span<const std::filesystem::path> files);
 
 /// Writes `text` (that of rank 0 counts) to `path`, replacing an earlier file as a whole. Collective.
 /// Throws `InputError` on all ranks if it cannot be written; the earlier file then stays as it was.
-void write_text_whole(MPI_Comm comm, const std::filesystem::path& path, std::string_view text);
+void write_text_whole(MPI_Comm comm, const std::filesystem::path& path, std::string_view text,
+                      Outlives outlives = Outlives::machine);
 
 } // namespace taut

@@ -81,17 +81,19 @@ void put_frame(Out out, const XdmfDescription& d, const XdmfFrame& frame) {
 
 } // namespace
 
-std::string xdmf(const XdmfDescription& description) {
-  std::string text = R"(<?xml version="1.0" encoding="utf-8"?>
+void XdmfText::add(const XdmfFrame& frame) { put_frame(std::back_inserter(grids_), description_, frame); }
+
+std::string XdmfText::whole() const {
+  constexpr std::string_view head = R"(<?xml version="1.0" encoding="utf-8"?>
 <Xdmf Version="3.0">
   <Domain>
     <Grid Name="frames" GridType="Collection" CollectionType="Temporal">
-)";
-  for (const XdmfFrame& frame : description.frames) put_frame(std::back_inserter(text), description, frame);
-  return text + R"(    </Grid>
+)",
+                             foot = R"(    </Grid>
   </Domain>
 </Xdmf>
 )";
+  return fmt::format("{}{}{}", head, grids_, foot);
 }
 
 std::vector<Global> xdmf_mixed_cells(std::span<const Global> vertices, std::span<const Global> offsets) {

@@ -43,11 +43,20 @@ struct XdmfDescription {
   Global cells_length = 0; ///< how many numbers `cells_dataset` holds
 
   std::vector<XdmfField> fields;
-  std::vector<XdmfFrame> frames;
 };
 
-/// The whole file: one temporal collection with a grid a frame.
-std::string xdmf(const XdmfDescription& description);
+/// The text of an XDMF file, one temporal collection with a grid a frame, that grows frame by frame.
+class XdmfText {
+public:
+  explicit XdmfText(XdmfDescription description) : description_(std::move(description)) {}
+
+  void add(const XdmfFrame& frame);
+  std::string whole() const; ///< with all frames so far
+
+private:
+  XdmfDescription description_;
+  std::string grids_;
+};
 
 /// The cells at [offsets[c], offsets[c + 1]) of `vertices` as XDMF wants to read them when not all have one
 /// size: in front of each its kind, and in front of a line its number of vertices too. `offsets` has one

@@ -9,6 +9,10 @@
 #include <tuple>
 #include <unordered_map>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace taut {
 
 namespace {
@@ -266,9 +270,7 @@ private:
     IndexMap& map = mesh_.edges;
     map.owned = Local(owned.size());
     std::unordered_map<Global, std::array<Local, 2>> ghost_ends;
-    YarnOrder yarns = order_by_yarn(ends, mesh_.triples);
-    mesh_.continues_yarn = std::move(yarns.continues);
-    for (const Local i : yarns.order) {
+    for (const Local i : order_by_yarn(ends, mesh_.triples)) {
       map.original.push_back(owned[i].original);
       mesh_.edge_vertices.push_back(ends[i]);
     }
@@ -326,6 +328,13 @@ private:
   std::unordered_map<Global, Local> local_of_; ///< local number of an original vertex number
 };
 
+/// What was needed only while building was allocated in small pieces, and would stay with the program.
+void give_back_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 } // namespace
 
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
@@ -337,6 +346,7 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   parts.hinges = send_hinges(comm, mesh, topology, owners);
   DistributedMesh distributed = Builder(comm, mesh, owners).build(std::move(parts));
   distributed.triangles_only = topology.triangles_only;
+  give_back_memory();
   return distributed;
 }
 

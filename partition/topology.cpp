@@ -32,6 +32,8 @@ struct Edge {
 std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
   std::vector<CellSide> sides;
   std::vector<int> to;
+  sides.reserve(4 * mesh.cell.size());
+  to.reserve(4 * mesh.cell.size());
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const Cell& cell = mesh.cell[c];
     const int n = cell.size();
@@ -115,6 +117,8 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
 std::vector<Spoke> collect_spokes(MPI_Comm comm, const MeshSlab& mesh, std::span<const Edge> edges) {
   std::vector<Spoke> spokes;
   std::vector<int> to;
+  spokes.reserve(2 * edges.size());
+  to.reserve(2 * edges.size());
   for (const Edge& e : edges)
     for (const auto& [centre, neighbour] : {std::pair{e.low, e.high}, std::pair{e.high, e.low}}) {
       spokes.push_back({centre, neighbour, e.number, e.cells});

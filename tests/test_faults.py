@@ -109,10 +109,11 @@ class DiskFull(Faults):
 
     def fill(self, place):
         """What the run says when the disk of `place` is full, and what it does when it is resumed."""
-        whole = self.run_case("whole", *BUSY, ranks=2)
+        long = (*BUSY, "--set", "time.end=0.4")  # not over before the disk is full
+        whole = self.run_case("whole", *long, ranks=2)
         filler = self.folder / "run" / place / "filler"
         with small_disk(filler.parent):
-            job, run = self.start(*BUSY)
+            job, run = self.start(*long)
             self.assertTrue(job.wait_for(lambda: rows(run) > 10))
             fill_up(filler)
             code, _, err = job.end()

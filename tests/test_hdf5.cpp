@@ -235,6 +235,17 @@ TEST(WholeFile, ReplacesText) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
+TEST(WholeFile, MayOutliveTheProgramOnlyAndTheMachineLater) {
+  const Folder folder;
+  const auto fill = [](H5Writer& file) { file.attribute("time", 1.0); };
+  write_whole(world, folder / "a.h5", fill, Outlives::program);
+  write_text_whole(world, folder / "a.txt", "text", Outlives::program);
+  make_lasting(world, std::vector<fs::path>{folder / "a.h5", folder / "taken-away.h5", folder / "a.txt"});
+  EXPECT_EQ(H5Reader(world, folder / "a.h5").attribute<double>("time"), 1.0);
+  EXPECT_EQ(text_of(folder / "a.txt"), "text");
+  EXPECT_EQ(folder.files(), 2u);
+}
+
 TEST(Xdmf, MixesCells) {
   const std::vector<Global> vertices{7, 8, 0, 1, 2, 0, 1, 2, 3};
   EXPECT_THAT(xdmf_mixed_cells(vertices, std::vector<Global>{0, 2, 5, 9}),
@@ -253,8 +264,10 @@ TEST(Xdmf, DescribesEveryFrame) {
       {.name = "velocity", .dataset = "/velocities", .components = 3},
       {.name = "owner_rank", .dataset = "/owner_rank", .number = XdmfNumber::int32, .home = XdmfHome::mesh},
       {.name = "strain_warp", .dataset = "/cells/strain_warp", .centre = XdmfCentre::cell}};
-  description.frames = {{0.0, "frames/frame_000000.h5"}, {0.1, "frames/frame_000001.h5"}};
-  const std::string text = xdmf(description);
+  XdmfText frames(description);
+  frames.add({0.0, "frames/frame_000000.h5"});
+  frames.add({0.1, "frames/frame_000001.h5"});
+  const std::string text = frames.whole();
   EXPECT_THAT(text, HasSubstr(R"(<Time Value="0.1"/>)"));
   EXPECT_THAT(text, HasSubstr(R"(Dimensions="4 4">mesh.h5:/faces<)"));
   EXPECT_THAT(text, HasSubstr(R"(Dimensions="9 3">frames/frame_000001.h5:/positions<)"));
@@ -268,8 +281,9 @@ TEST(Xdmf, IsWellFormed) {
   for (const auto shape : {XdmfCells::lines, XdmfCells::triangles, XdmfCells::quads, XdmfCells::mixed}) {
     description.shape = shape;
     description.fields = {{.name = "strain", .dataset = "/strain", .centre = XdmfCentre::cell}};
-    description.frames.push_back({0.5 * double(description.frames.size()), "frames/f.h5"});
-    const std::string text = xdmf(description);
+    XdmfText frames(description);
+    for (const double time : {0.0, 0.5}) frames.add({time, "frames/f.h5"});
+    const std::string text = frames.whole();
     std::vector<std::string> open; // every tag is closed by its own name, in the right order
     for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
       const auto end = text.find('>', at);

@@ -80,6 +80,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
   Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
 
+  frames.list_frames();
   checkpoints.write();
   if (const Global found = summary.totals(0).intersections; outcome.completed() && found > 0)
     outcome = {

@@ -80,6 +80,13 @@ SplitRows::Place place_of(const DistributedMesh& mesh, const SplitRows& rows, Lo
 
 SplitRows pattern_of(const DistributedMesh& mesh) {
   SplitRows rows;
+  std::size_t couplings = 0;
+  for (Local e = 0; e < mesh.edges.owned; ++e)
+    for_each_coupling(mesh, e, [&](Local, Local, double) { ++couplings; });
+  rows.coupling.reserve(couplings);
+  rows.own.columns.reserve(couplings + std::size_t(mesh.edges.owned));
+  for (auto* offsets : {&rows.own.offsets, &rows.ghost.offsets}) offsets->reserve(mesh.edges.owned + 1);
+  rows.diagonal.reserve(mesh.edges.owned);
   for (Local e = 0; e < mesh.edges.owned; ++e) append_row(mesh, e, rows);
   rows.own.values.assign(rows.own.columns.size(), 0.0);
   rows.ghost.values.assign(rows.ghost.columns.size(), 0.0);
@@ -141,11 +148,10 @@ struct ProjectionSystem::Petsc {
                     std::vector<double>& mu);
 
   void update_blocks(const DistributedMesh& mesh) {
-    for (Local e = 0; e < mesh.edges.owned; ++e) {
-      blocks.matrix.diagonal[e] = rows.value(e, rows.diagonal[e]);
-      if (mesh.continues_yarn[e])
+    for (Local e = 0; e < mesh.edges.owned; ++e) blocks.matrix.diagonal[e] = rows.value(e, rows.diagonal[e]);
+    for (const YarnSegment& s : yarns.segments)
+      for (Local e = s.begin + 1; e < s.end; ++e)
         blocks.matrix.to_previous[e] = rows.value(e, SplitRows::Place(rows.diagonal[e] - 1));
-    }
     for (const auto& [row, place, knot] : links.between)
       blocks.matrix.to_segment_before[knot] = rows.value(row, place);
   }

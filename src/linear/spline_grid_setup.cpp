@@ -81,11 +81,17 @@ void SplineGrid::find_near_cells(const SparseRows& rows) {
   }
 }
 
-/// All that this rank adds to.
+/// All that this rank adds to. Neighbouring cells name the same ones again and again, five times on a flat
+/// sheet: what is there already goes before the list has doubled.
 std::vector<SplineGrid::Coupling> SplineGrid::couplings() const {
   std::vector<Coupling> result;
+  std::size_t distinct = 0;
   std::vector<Global> reached;
   for (Local cell = 0; cell < cells_.size(); ++cell) {
+    if (result.size() > 2 * distinct) {
+      sort_unique(result);
+      distinct = result.size();
+    }
     reached.clear();
     for (const Local other : near(cell))
       for (const Global key : cells_.node_keys(other)) reached.push_back(key);

@@ -1,5 +1,6 @@
 #include "src/time/checkpointer.hpp"
 
+#include "io/whole_file.hpp"
 #include "partition/traffic.hpp"
 
 #include <cmath>
@@ -13,7 +14,7 @@ double intervals(double time, double interval) { return std::floor(time / interv
 
 } // namespace
 
-Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, const FrameWriter& frames,
+Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, FrameWriter& frames,
                            config::Checkpoint when, std::filesystem::path run_folder, std::string case_text)
     : simulation_(simulation), summary_(summary), frames_(frames), when_(when),
       folder_(std::move(run_folder)), case_text_(std::move(case_text)) {}
@@ -44,6 +45,7 @@ void Checkpointer::write() {
   const double begin = MPI_Wtime();
   const StepSize::Memory steps = simulation_.step_size().memory();
   const Totals totals = summary_.totals(output_seconds());
+  make_frames_lasting();
   write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
                    {case_text_, state, steps, simulation_.rejected_steps(), totals});
   keep_last_two();
@@ -51,6 +53,13 @@ void Checkpointer::write() {
   last_time_ = state.time;
   last_clock_ = MPI_Wtime();
   seconds_ += last_clock_ - begin;
+}
+
+/// What a run that goes on from this checkpoint does not write again.
+void Checkpointer::make_frames_lasting() {
+  std::vector<std::filesystem::path> files = frames_.take_written();
+  files.push_back(folder_ / "steps.csv");
+  make_lasting(simulation_.cloth().mesh.comm, files);
 }
 
 void Checkpointer::keep_last_two() const {

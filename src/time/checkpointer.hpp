@@ -9,7 +9,7 @@ namespace taut {
 class Checkpointer : public Observer {
 public:
   /// All references must outlive it. `case_text` is the case as run.
-  Checkpointer(const Simulation& simulation, const Summary& summary, const FrameWriter& frames,
+  Checkpointer(const Simulation& simulation, const Summary& summary, FrameWriter& frames,
                config::Checkpoint when, std::filesystem::path run_folder, std::string case_text);
 
   void at_start(const State& state) override;
@@ -22,11 +22,12 @@ public:
 
 private:
   bool is_due(const State& state) const;
+  void make_frames_lasting();
   void keep_last_two() const;
 
   const Simulation& simulation_;
   const Summary& summary_;
-  const FrameWriter& frames_;
+  FrameWriter& frames_;
   config::Checkpoint when_;
   std::filesystem::path folder_;
   std::string case_text_;

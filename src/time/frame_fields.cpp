@@ -14,6 +14,17 @@ std::array<Local, 4> sides_of(const DistributedMesh& mesh, const LocalCell& cell
   return sides;
 }
 
+namespace {
+
+WarpWeft room_for(std::size_t cells) {
+  WarpWeft result;
+  result.warp.reserve(cells);
+  result.weft.reserve(cells);
+  return result;
+}
+
+} // namespace
+
 WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values) {
   const auto mean = [&](Local a, Local b) {
     double sum = 0;
@@ -25,7 +36,7 @@ WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>&
       }
     return count > 0 ? sum / count : 0.0;
   };
-  WarpWeft result;
+  WarpWeft result = room_for(mesh.owned_cells.size());
   for (const Local c : mesh.owned_cells) {
     const auto s = sides_of(mesh, mesh.cells[c]);
     result.warp.push_back(mean(s[0], s[2]));
@@ -47,10 +58,32 @@ std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state) {
   return tensions;
 }
 
+namespace {
+
+/// Of one without texture, whose warp lies along its first side: the same without its place in a plane.
+std::array<double, 2> strains_of_quad(const DistributedMesh& mesh, const LocalCell& cell,
+                                      std::span<const Vec3> positions) {
+  std::array<double, 2> strains{};
+  for (int k = 0; k < 4; ++k) {
+    const Local a = cell.vertices[k], b = cell.vertices[(k + 1) % 4];
+    const double rest = (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
+    strains[k % 2] += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
+  }
+  return strains;
+}
+
+} // namespace
+
 WarpWeft strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions) {
-  WarpWeft result;
+  WarpWeft result = room_for(cloth.mesh.owned_cells.size());
   std::vector<Tangent> tangents; // of one cell; those of all would outweigh the mesh
   for (const Local c : cloth.mesh.owned_cells) {
+    if (cloth.mesh.cells[c].size() == 4 && cloth.mesh.texture.empty()) {
+      const auto [warp, weft] = strains_of_quad(cloth.mesh, cloth.mesh.cells[c], positions);
+      result.warp.push_back(warp);
+      result.weft.push_back(weft);
+      continue;
+    }
     tangents.clear();
     append_tangents(cloth, c, tangents);
     std::array<double, 2> sum{}, count{};

@@ -1,7 +1,6 @@
 #include "src/time/frame_writer.hpp"
 
 #include "io/hdf5.hpp"
-#include "io/whole_file.hpp"
 #include "partition/traffic.hpp"
 #include "partition/yarns.hpp"
 #include "src/time/frame_fields.hpp"
@@ -58,8 +57,8 @@ std::string FrameWriter::file_of(Global frame) { return fmt::format("frames/fram
 
 FrameWriter::FrameWriter(const Cloth& cloth, const Obstacles& obstacles, const Case& input,
                          std::filesystem::path folder, std::vector<XdmfFrame> earlier)
-    : cloth_(cloth), fields_(input.output.fields), folder_(std::move(folder)), obstacles_(cloth, obstacles) {
-  cells_.frames = edges_.frames = std::move(earlier);
+    : cloth_(cloth), fields_(input.output.fields), folder_(std::move(folder)), obstacles_(cloth, obstacles),
+      frames_(std::move(earlier)), taken_(frames_.size()) {
   if (input.has_contact() && wants(config::Field::contact)) contact_.emplace(cloth, obstacles, input);
 }
 
@@ -71,10 +70,8 @@ void FrameWriter::at_start(const State& state) {
   const double begin = MPI_Wtime();
   write_mesh();
   seconds_ += MPI_Wtime() - begin;
-  if (cells_.frames.empty())
-    write_frame(state, 0);
-  else
-    write_xdmf();
+  if (frames_.empty()) write_frame(state, 0);
+  list_frames();
 }
 
 void FrameWriter::after_frame(const State& state, Global frame) { write_frame(state, frame); }
@@ -120,8 +117,7 @@ void FrameWriter::write_mesh() {
     file.attribute("faces", faces.total);
     if (!obstacles_.empty()) obstacles_.write_faces(file);
   });
-  describe(mixed);
-  cells_.cells_length = mixed ? stream.total : corners.total;
+  describe(mixed ? stream.total : corners.total);
 }
 
 /// On edges, and on faces the yarn along warp and that along weft which meet at the first corner; -1: none.
@@ -152,41 +148,57 @@ void FrameWriter::write_cloth_numbers(H5Writer& file) const {
                            mesh.cell_order.slab());
 }
 
-void FrameWriter::describe(bool has_mixed_cells) {
+void FrameWriter::describe(Global cells_length) {
+  xdmf_.emplace_back("frames.xdmf", XdmfText(describe_cells(cells_length)));
+  if (!obstacles_.empty()) xdmf_.emplace_back("obstacles.xdmf", obstacles_.xdmf());
+  if (cloth_.mesh.edges.total > 0) xdmf_.emplace_back("edges.xdmf", XdmfText(describe_edges()));
+}
+
+XdmfDescription FrameWriter::describe_cells(Global cells_length) const {
   using enum config::Field;
   const DistributedMesh& mesh = cloth_.mesh;
-  cells_.points = edges_.points = mesh.vertices.total;
-  cells_.shape = shape_of(mesh);
-  cells_.cells = mesh.total_cells;
-  cells_.cells_dataset = has_mixed_cells ? "/xdmf_cells" : "/faces";
-  edges_.shape = XdmfCells::lines;
-  edges_.cells = mesh.edges.total;
-  edges_.cells_length = 2 * mesh.edges.total;
-  edges_.cells_dataset = "/constraints/edges";
-  if (wants(velocity)) cells_.fields.push_back({"velocity", "/velocities", XdmfCentre::point, 3});
-  if (wants(reaction)) cells_.fields.push_back({"reaction", "/reactions", XdmfCentre::point, 3});
-  if (contact_) contact_->describe(cells_.fields);
+  XdmfDescription d;
+  d.points = mesh.vertices.total;
+  d.shape = shape_of(mesh);
+  d.cells = mesh.total_cells;
+  d.cells_length = cells_length;
+  d.cells_dataset = d.shape == XdmfCells::mixed ? "/xdmf_cells" : "/faces";
+  const auto of_mesh = [](const char* name, const char* dataset, XdmfCentre centre, XdmfNumber number) {
+    return XdmfField{name, dataset, centre, 1, number, XdmfHome::mesh};
+  };
+  if (wants(velocity)) d.fields.push_back({"velocity", "/velocities", XdmfCentre::point, 3});
+  if (wants(reaction)) d.fields.push_back({"reaction", "/reactions", XdmfCentre::point, 3});
+  if (contact_) contact_->describe(d.fields);
   if (wants(owner_rank))
-    cells_.fields.push_back(
-        {"owner_rank", "/owner_rank", XdmfCentre::point, 1, XdmfNumber::int32, XdmfHome::mesh});
+    d.fields.push_back(of_mesh("owner_rank", "/owner_rank", XdmfCentre::point, XdmfNumber::int32));
   if (cloth_.pieces.size() > 1)
-    cells_.fields.push_back(
-        {"cloth", "/cells/cloth", XdmfCentre::cell, 1, XdmfNumber::int32, XdmfHome::mesh});
-  if (wants(yarn)) {
-    const auto on_cells = [](const char* name, const char* dataset) {
-      return XdmfField{name, dataset, XdmfCentre::cell, 1, XdmfNumber::int64, XdmfHome::mesh};
-    };
-    edges_.fields.push_back(on_cells("yarn", "/constraints/yarn"));
-    cells_.fields.push_back(on_cells("yarn_warp", "/cells/yarn_warp"));
-    cells_.fields.push_back(on_cells("yarn_weft", "/cells/yarn_weft"));
-  }
-  for (const auto& [field, name] : {std::pair{strain, "strain"}, std::pair{tension, "tension"}}) {
-    if (!wants(field)) continue;
-    edges_.fields.push_back({name, fmt::format("/{}", name), XdmfCentre::cell});
-    for (const char* direction : {"warp", "weft"})
-      cells_.fields.push_back({fmt::format("{}_{}", name, direction),
-                               fmt::format("/cells/{}_{}", name, direction), XdmfCentre::cell});
-  }
+    d.fields.push_back(of_mesh("cloth", "/cells/cloth", XdmfCentre::cell, XdmfNumber::int32));
+  if (wants(yarn))
+    for (const auto& [name, dataset] :
+         {std::pair{"yarn_warp", "/cells/yarn_warp"}, std::pair{"yarn_weft", "/cells/yarn_weft"}})
+      d.fields.push_back(of_mesh(name, dataset, XdmfCentre::cell, XdmfNumber::int64));
+  for (const auto& [field, name] : {std::pair{strain, "strain"}, std::pair{tension, "tension"}})
+    if (wants(field))
+      for (const char* direction : {"warp", "weft"})
+        d.fields.push_back({fmt::format("{}_{}", name, direction),
+                            fmt::format("/cells/{}_{}", name, direction), XdmfCentre::cell});
+  return d;
+}
+
+XdmfDescription FrameWriter::describe_edges() const {
+  using enum config::Field;
+  const DistributedMesh& mesh = cloth_.mesh;
+  XdmfDescription d;
+  d.points = mesh.vertices.total;
+  d.shape = XdmfCells::lines;
+  d.cells = mesh.edges.total;
+  d.cells_length = 2 * mesh.edges.total;
+  d.cells_dataset = "/constraints/edges";
+  if (wants(yarn))
+    d.fields.push_back({"yarn", "/constraints/yarn", XdmfCentre::cell, 1, XdmfNumber::int64, XdmfHome::mesh});
+  if (wants(strain)) d.fields.push_back({"strain", "/strain", XdmfCentre::cell});
+  if (wants(tension)) d.fields.push_back({"tension", "/tension", XdmfCentre::cell});
+  return d;
 }
 
 void FrameWriter::write_frame(const State& state, Global frame) {
@@ -196,39 +208,59 @@ void FrameWriter::write_frame(const State& state, Global frame) {
   const DistributedMesh& mesh = cloth_.mesh;
   const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab(),
              faces = mesh.cell_order.slab();
-  const auto write_field = [&](H5Writer& file, const char* name, const std::vector<double>& values,
-                               const WarpWeft& on_cells) {
+  const auto write_edges = [&](H5Writer& file, const char* name, const std::vector<double>& values) {
     file.write<double>(fmt::format("/{}", name), mesh.edge_order.to_slab<double>(values), 1, edges);
-    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(on_cells.warp), 1,
+  };
+  const auto write_cells = [&](H5Writer& file, const char* name, const WarpWeft& values) {
+    file.write<double>(fmt::format("/cells/{}_warp", name), mesh.cell_order.to_slab<double>(values.warp), 1,
                        faces);
-    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(on_cells.weft), 1,
+    file.write<double>(fmt::format("/cells/{}_weft", name), mesh.cell_order.to_slab<double>(values.weft), 1,
                        faces);
   };
-  write_whole(mesh.comm, folder_ / file_of(frame), [&](H5Writer& file) {
+  const auto fill = [&](H5Writer& file) {
     file.attribute("time", state.time);
     file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
     if (wants(velocity))
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
     if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
     if (contact_) contact_->write(file, state);
-    if (wants(strain))
-      write_field(file, "strain", strains_of_edges(cloth_, state), strains_of_cells(cloth_, state.positions));
+    if (wants(strain)) {
+      write_edges(file, "strain", strains_of_edges(cloth_, state));
+      write_cells(file, "strain", strains_of_cells(cloth_, state.positions));
+    }
     if (wants(tension)) {
       const auto tensions = tensions_of_edges(cloth_, state);
-      write_field(file, "tension", tensions, mean_over_sides(mesh, tensions));
+      write_edges(file, "tension", tensions);
+      write_cells(file, "tension", mean_over_sides(mesh, tensions));
     }
     if (!obstacles_.empty()) obstacles_.write_positions(file, state.time);
-  });
-  for (XdmfDescription* d : {&cells_, &edges_}) d->frames.push_back({state.time, file_of(frame)});
-  write_xdmf();
+  };
+  write_whole(mesh.comm, folder_ / file_of(frame), fill, Outlives::program);
+  frames_.push_back({state.time, file_of(frame)});
+  if (is_list_due()) list_frames();
   seconds_ += MPI_Wtime() - begin;
 }
 
-void FrameWriter::write_xdmf() const {
-  write_text_whole(cloth_.mesh.comm, folder_ / "frames.xdmf", xdmf(cells_));
-  if (!obstacles_.empty())
-    write_text_whole(cloth_.mesh.comm, folder_ / "obstacles.xdmf", obstacles_.xdmf(cells_.frames));
-  if (cloth_.mesh.edges.total > 0) write_text_whole(cloth_.mesh.comm, folder_ / "edges.xdmf", xdmf(edges_));
+/// By the clock of rank 0.
+bool FrameWriter::is_list_due() const {
+  const MPI_Comm comm = cloth_.mesh.comm;
+  return any_of(comm, rank_of(comm) == 0 && MPI_Wtime() - list_clock_ >= 1.0);
+}
+
+void FrameWriter::list_frames() {
+  if (listed_ == frames_.size()) return;
+  for (auto& [file, text] : xdmf_) {
+    for (std::size_t k = listed_; k < frames_.size(); ++k) text.add(frames_[k]);
+    write_text_whole(cloth_.mesh.comm, folder_ / file, text.whole(), Outlives::program);
+  }
+  listed_ = frames_.size();
+  list_clock_ = MPI_Wtime();
+}
+
+std::vector<std::filesystem::path> FrameWriter::take_written() {
+  std::vector<std::filesystem::path> files;
+  for (; taken_ < frames_.size(); ++taken_) files.push_back(folder_ / frames_[taken_].file);
+  return files;
 }
 
 } // namespace taut

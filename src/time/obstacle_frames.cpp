@@ -48,7 +48,7 @@ void ObstacleFrames::write_positions(H5Writer& file, double time) const {
   file.write("/obstacles/positions", part(slab, std::span<const Vec3>(positions)), slab);
 }
 
-std::string ObstacleFrames::xdmf(const std::vector<XdmfFrame>& frames) const {
+XdmfText ObstacleFrames::xdmf() const {
   XdmfDescription d;
   d.positions = "/obstacles/positions";
   d.points = Global(surface_.at(0).size());
@@ -57,8 +57,7 @@ std::string ObstacleFrames::xdmf(const std::vector<XdmfFrame>& frames) const {
   d.cells = Global(surface_.faces().size());
   d.cells_length = 3 * d.cells;
   d.fields = {{"body", "/obstacles/bodies", XdmfCentre::cell, 1, XdmfNumber::int32, XdmfHome::mesh}};
-  d.frames = frames;
-  return taut::xdmf(d);
+  return XdmfText(d);
 }
 
 } // namespace taut

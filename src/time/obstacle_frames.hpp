@@ -18,8 +18,7 @@ public:
   void write_faces(H5Writer& file) const;                  ///< once. Collective.
   void write_positions(H5Writer& file, double time) const; ///< into a frame. Collective.
 
-  /// The text of `obstacles.xdmf` for frames that hold positions.
-  std::string xdmf(const std::vector<XdmfFrame>& frames) const;
+  XdmfText xdmf() const; ///< of `obstacles.xdmf`, without frames yet
 
 private:
   MPI_Comm comm_;
