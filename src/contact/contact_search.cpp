@@ -99,8 +99,9 @@ bool ContactSearch::follow(const Motion& motion) {
 
 void ContactSearch::look(std::span<const double> strayed) {
   across_ = {};
-  look_at(elements_.pairs(), strayed, near_);
-  look_at(elements_.pairs_across(), strayed, across_);
+  const std::vector<double> of_elements = elements_.largest(strayed);
+  look_at(elements_.pairs(), of_elements, near_);
+  look_at(elements_.pairs_across(), of_elements, across_);
   look_at_planes();
 }
 
@@ -109,7 +110,7 @@ void ContactSearch::look_at(std::span<const BoxPair> pairs, std::span<const doub
   near.spare.resize(pairs.size(), 0.0);
   near.held.resize(pairs.size(), 0);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    near.spare[k] -= elements_.largest(pairs[k].first, strayed) + elements_.largest(pairs[k].second, strayed);
+    near.spare[k] -= strayed[pairs[k].first] + strayed[pairs[k].second];
     if (near.spare[k] <= 0) near.spare[k] = meet(pairs[k], near.held[k], near.found);
   }
 }

@@ -76,15 +76,15 @@ void ElementSearch::follow(const Motion& motion) {
 void ElementSearch::extend(std::span<const Vec3> cloth_to) {
   std::vector<double> strayed;
   for (std::size_t i = 0; i < ends_.size(); ++i) strayed.push_back((cloth_to[i] - ends_[i]).norm());
+  const std::vector<double> wanted = largest(strayed);
   const std::vector<Box> before(boxes_.begin(), boxes_.begin() + own_);
   std::vector<bool> is_grown(own_, false);
   std::vector<Local> grown;
   std::vector<Box> grown_boxes;
   for (Local i = 0; i < own_; ++i) {
-    const double wanted = largest(i, strayed);
-    if (wanted <= slack_[i]) continue;
-    boxes_[i].inflate(ample * wanted - slack_[i]);
-    slack_[i] = ample * wanted;
+    if (wanted[i] <= slack_[i]) continue;
+    boxes_[i].inflate(ample * wanted[i] - slack_[i]);
+    slack_[i] = ample * wanted[i];
     is_grown[i] = true;
     grown.push_back(i);
     grown_boxes.push_back(boxes_[i]);
@@ -114,11 +114,11 @@ void ElementSearch::find_across() {
          pairs_across_);
 }
 
-double ElementSearch::largest(Local element, std::span<const double> cloth) const {
-  double most = 0;
-  if (element >= own_) return most;
-  const Element& e = elements_[element];
-  for (int k = 0; k < e.corners; ++k) most = std::max(most, cloth[e.vertices[k]]);
+std::vector<double> ElementSearch::largest(std::span<const double> cloth) const {
+  std::vector<double> most(elements_.size(), 0.0);
+  for (Local i = 0; i < own_; ++i)
+    for (int k = 0; k < elements_[i].corners; ++k)
+      most[i] = std::max(most[i], cloth[elements_[i].vertices[k]]);
   return most;
 }
 

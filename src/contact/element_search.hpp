@@ -59,8 +59,9 @@ public:
     return (balls_[pair.first].centre - balls_[pair.second].centre).normalized();
   }
 
-  /// The largest of an element's vertices' values (of local cloth vertices); of obstacles 0.
-  double largest(Local element, std::span<const double> cloth) const;
+  /// Of every element the largest of its vertices' values (of local cloth vertices); 0 if it is not cloth of
+  /// this rank.
+  std::vector<double> largest(std::span<const double> cloth) const;
 
   /// Of local cloth vertices, then of obstacles, then of what came from other ranks.
   std::span<const SurfaceVertex> vertices() const { return vertices_; }
