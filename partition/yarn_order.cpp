@@ -36,7 +36,7 @@ private:
   std::vector<Local> edge_;
 };
 
-/// The edges that continue each edge at its first and at its second vertex, -1 for none.
+/// The (at most two) edges that continue each edge, -1 for none.
 std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local, 2>> edges,
                                                 std::span<const std::array<Local, 3>> triples) {
   const EdgesAt at(edges);
@@ -44,23 +44,24 @@ std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local
   for (const auto& [before, centre, after] : triples) {
     const Local one = at.between(centre, before), two = at.between(centre, after);
     if (one < 0 || two < 0) continue;
-    next[one][edges[one][0] == centre ? 0 : 1] = two;
-    next[two][edges[two][0] == centre ? 0 : 1] = one;
+    for (const auto& [e, f] : {std::pair{one, two}, std::pair{two, one}}) next[e][next[e][0] < 0 ? 0 : 1] = f;
   }
   return next;
 }
 
 } // namespace
 
-std::vector<Local> order_by_yarn(std::span<const std::array<Local, 2>> edges,
-                                 std::span<const std::array<Local, 3>> triples) {
+YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
+                        std::span<const std::array<Local, 3>> triples) {
   const auto next = continuations(edges, triples);
-  std::vector<Local> order;
+  YarnOrder yarns;
   std::vector<char> placed(edges.size(), 0);
-  order.reserve(edges.size());
-  const auto walk = [&](Local e, Local previous) {
-    while (e >= 0 && !placed[e]) {
-      order.push_back(e);
+  yarns.order.reserve(edges.size());
+  yarns.continues.reserve(edges.size());
+  const auto walk_from = [&](Local e) {
+    for (Local previous = -1; e >= 0 && !placed[e];) {
+      yarns.order.push_back(e);
+      yarns.continues.push_back(previous >= 0);
       placed[e] = 1;
       const Local onward = next[e][0] != previous ? next[e][0] : next[e][1];
       previous = e;
@@ -68,10 +69,10 @@ std::vector<Local> order_by_yarn(std::span<const std::array<Local, 2>> edges,
     }
   };
   for (std::size_t e = 0; e < edges.size(); ++e) // open yarns, from an end
-    if (!placed[e] && (next[e][0] < 0 || next[e][1] < 0)) walk(Local(e), -1);
+    if (!placed[e] && next[e][1] < 0) walk_from(Local(e));
   for (std::size_t e = 0; e < edges.size(); ++e) // what is left is closed
-    if (!placed[e]) walk(Local(e), next[e][0]);
-  return order;
+    if (!placed[e]) walk_from(Local(e));
+  return yarns;
 }
 
 } // namespace taut
