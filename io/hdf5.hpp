@@ -65,8 +65,7 @@ private:
   void write_rows(const std::string& name, const void* my_rows, hid_t type, int columns, Slab rows);
   void write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size);
   void set_aside(Global more);
-  void close_shared();
-  void close_own();
+  void close_file();
 
   MPI_Comm comm_;
   std::filesystem::path path_;

@@ -45,7 +45,7 @@ H5Handle shared_access(MPI_Comm comm) {
   return access;
 }
 
-H5Handle creating_access(MPI_Comm comm) {
+H5Handle writing_access(MPI_Comm comm) {
   return size_of(comm) > 1 ? shared_access(comm) : own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
 }
 

@@ -61,9 +61,9 @@ H5Handle text_type();
 /// failure to write them must not be lost (see H5Writer::set_aside).
 H5Handle shared_access(MPI_Comm comm);
 
-/// The same to a file that is to be made; without MPI-IO on one rank, as that takes as long to open a small
-/// file as to write it.
-H5Handle creating_access(MPI_Comm comm);
+/// The same to a file that is being written; without MPI-IO on one rank, as that takes as long to open a
+/// small file as to write it.
+H5Handle writing_access(MPI_Comm comm);
 
 /// All ranks move their parts in one operation.
 H5Handle collective_transfer();

@@ -42,6 +42,17 @@ H5Handle unfilled_and_undated() {
   return creation;
 }
 
+/// Its bytes; they never were on a disk.
+std::string file_without_datasets() {
+  const H5Handle access = h5::own(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  h5::require(H5Pset_fapl_core(access.get(), own_needs, false));
+  const H5Handle file = h5::own(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  h5::require(H5Fflush(file.get(), H5F_SCOPE_LOCAL));
+  std::string bytes(static_cast<std::size_t>(h5::require(H5Fget_file_image(file.get(), nullptr, 0))), '\0');
+  h5::require(H5Fget_file_image(file.get(), bytes.data(), bytes.size()));
+  return bytes;
+}
+
 void check_size(std::size_t given, int columns, Slab rows) {
   if (given != static_cast<std::size_t>(rows.count) * static_cast<std::size_t>(columns))
     throw std::logic_error("H5Writer::write: the number of values is not rows times columns");
@@ -49,16 +60,23 @@ void check_size(std::size_t given, int columns, Slab rows) {
 
 } // namespace
 
+/// HDF5 opens what is a file already: were it to create one, it would first give back all room set aside for
+/// it, and a disk that another fills just then it does not survive (see `set_aside`).
 H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
   h5::silence();
+  const std::string subject = fmt::format("{}: cannot be created", path_.string());
+  std::string beginning;
+  h5::collectively(comm_, subject, cure, [&] { beginning = file_without_datasets(); });
   try {
-    set_aside(0); // a full disk or a missing folder shows here, before HDF5 is concerned
-    h5::collectively(comm_, fmt::format("{}: cannot be created", path_.string()), cure, [&] {
-      const H5Handle access = h5::creating_access(comm_);
-      file_ = h5::own(H5Fcreate(part_of(path_).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+    broadcast(comm_, [&] {
+      begin_part(path_, beginning);
+      return std::string();
     });
-    needed_ = room_ = 0; // HDF5 began the file anew
     set_aside(0);
+    h5::collectively(comm_, subject, cure, [&] {
+      const H5Handle access = h5::writing_access(comm_);
+      file_ = h5::own(H5Fopen(part_of(path_).c_str(), H5F_ACC_RDWR, access.get()), H5Fclose);
+    });
   } catch (const InputError&) {
     remove_on_rank_0(comm_, part_of(path_));
     throw;
@@ -150,7 +168,7 @@ void H5Writer::write_attribute(const std::string& name, const void* value, hid_t
 void H5Writer::close(Outlives outlives) {
   try {
     h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
-                     [&] { size_of(comm_) > 1 ? close_shared() : close_own(); });
+                     [&] { close_file(); });
     broadcast(comm_, [&] {
       publish(path_, outlives);
       return std::string();
@@ -161,10 +179,12 @@ void H5Writer::close(Outlives outlives) {
   }
 }
 
-void H5Writer::close_shared() { h5::require(H5Fclose(file_.release())); }
-
 /// Without MPI-IO, HDF5 does not see that the file has been given more room than it needs, and leaves it so.
-void H5Writer::close_own() {
+void H5Writer::close_file() {
+  if (size_of(comm_) > 1) {
+    h5::require(H5Fclose(file_.release()));
+    return;
+  }
   h5::require(H5Fflush(file_.get(), H5F_SCOPE_LOCAL));
   hsize_t size = 0;
   h5::require(H5Fget_filesize(file_.get(), &size));

@@ -60,9 +60,15 @@ void flush_name(const fs::path& path) {
 
 fs::path part_of(const fs::path& path) { return fs::path(path) += ".part"; }
 
+void begin_part(const fs::path& path, std::string_view bytes) {
+  const Descriptor file(part_of(path), O_WRONLY | O_CREAT | O_TRUNC);
+  if (file.get() < 0) refuse(path);
+  write_all(file, bytes, path);
+}
+
 void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
   if (begin >= end) return;
-  const Descriptor file(part_of(path), O_WRONLY | O_CREAT);
+  const Descriptor file(part_of(path), O_WRONLY);
   if (file.get() < 0) refuse(path);
   int error = EINTR;
   while (error == EINTR) error = ::posix_fallocate(file.get(), begin, end - begin);
@@ -96,11 +102,7 @@ void make_lasting(MPI_Comm comm, std::span<const fs::path> files) {
 void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text, Outlives outlives) {
   broadcast(comm, [&] {
     try {
-      {
-        const Descriptor file(part_of(path), O_WRONLY | O_CREAT | O_TRUNC);
-        if (file.get() < 0) refuse(path);
-        write_all(file, text, path);
-      }
+      begin_part(path, text);
       publish(path, outlives);
     } catch (const InputError&) {
       std::error_code ignored; // the first failure is the one to tell

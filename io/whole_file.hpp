@@ -17,6 +17,10 @@ enum class Outlives { program, machine };
 /// The temporary name of `path` while it is being written: the same folder, ".part" added.
 std::filesystem::path part_of(const std::filesystem::path& path);
 
+/// Makes `part_of(path)` the file that begins with these bytes, and so far has no others. Not collective:
+/// rank 0 only. Throws `InputError` if the system refuses.
+void begin_part(const std::filesystem::path& path, std::string_view bytes);
+
 /// Claims room on the disk for bytes [begin, end) of the file `part_of(path)`, which exists; what is written
 /// there later cannot fail for want of room. Not collective: rank 0 only. Throws `InputError` if there is
 /// none.

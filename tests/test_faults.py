@@ -85,9 +85,9 @@ def small_disk(folder):
 
 
 def fill_up(file):
-    """Leaves no room on the disk of `file`."""
+    """Leaves no room on the disk of `file`, which is appended to."""
     block = bytes(1 << 20)
-    with open(file, "wb", buffering=0) as out:
+    with open(file, "ab", buffering=0) as out:
         while block:
             try:
                 out.write(block)
@@ -115,7 +115,8 @@ class DiskFull(Faults):
         with small_disk(filler.parent):
             job, run = self.start(*long)
             self.assertTrue(job.wait_for(lambda: rows(run) > 10))
-            fill_up(filler)
+            # Again and again: a checkpoint that gives way to the next leaves its room to the one after.
+            job.wait_for(lambda: fill_up(filler))
             code, _, err = job.end()
             self.assertEqual(code, 2, err)
             self.assert_only_one_message(err, "No space left on device", "has room")
