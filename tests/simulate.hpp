@@ -31,9 +31,10 @@ private:
 };
 
 /// Runs to the end, which must be reached. Collective.
-inline void run_to_the_end(Simulation& simulation, Observer& observer) {
-  Observer* const observers[] = {&observer};
-  const Outcome outcome = simulation.run(observers);
+template<std::derived_from<Observer>... Observers>
+void run_to_the_end(Simulation& simulation, Observers&... observers) {
+  Observer* const all[] = {&observers...};
+  const Outcome outcome = simulation.run(all);
   EXPECT_TRUE(outcome.completed()) << outcome.reason;
 }
 

@@ -37,9 +37,10 @@ double mean_speed(const Simulation& simulation) {
 }
 
 /// After 0.2 s; nothing intersects at any step.
-void run(Simulation& simulation, const Case& input) {
+template<std::derived_from<Observer>... Observers>
+void run(Simulation& simulation, const Case& input, Observers&... observers) {
   IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
-  run_to_the_end(simulation, check);
+  run_to_the_end(simulation, check, observers...);
   EXPECT_EQ(check.count(), 0) << check.first();
 }
 
@@ -63,7 +64,7 @@ TEST(ContactForce, CarriesTheWeight) {
     const Case input = patch_on_a_plane(model);
     Simulation simulation(world, input);
     MeanForce pressed;
-    run_to_the_end(simulation, pressed);
+    run(simulation, input, pressed);
     EXPECT_NEAR(pressed.value()[2], simulation.weight(), 0.02 * simulation.weight()) << model;
     EXPECT_LT(pressed.value().head<2>().norm(), 0.02 * simulation.weight()) << model;
   }

@@ -84,8 +84,7 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
 
 /// What was to spare is less by what the elements have strayed.
 bool ContactSearch::follow(const Motion& motion) {
-  std::vector<double> strayed;
-  for (std::size_t i = 0; i < ends_.size(); ++i) strayed.push_back((motion.cloth_to[i] - ends_[i]).norm());
+  const std::vector<double> strayed = distances(ends_, motion.cloth_to);
   ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
   elements_.follow(motion);
   const std::size_t before = near_.found.size();

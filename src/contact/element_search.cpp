@@ -1,6 +1,7 @@
 #include "src/contact/element_search.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 
 namespace taut {
@@ -31,6 +32,12 @@ Box around(std::span<const Box> boxes) {
 }
 
 } // namespace
+
+std::vector<double> distances(std::span<const Vec3> was, std::span<const Vec3> is) {
+  std::vector<double> distance(was.size());
+  for (std::size_t i = 0; i < was.size(); ++i) distance[i] = (is[i] - was[i]).norm();
+  return distance;
+}
 
 ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     : cloth_(cloth), obstacles_(obstacles) {
@@ -74,9 +81,8 @@ void ElementSearch::follow(const Motion& motion) {
 
 /// A pair is new where the boxes overlap and those before did not.
 void ElementSearch::extend(std::span<const Vec3> cloth_to) {
-  std::vector<double> strayed;
-  for (std::size_t i = 0; i < ends_.size(); ++i) strayed.push_back((cloth_to[i] - ends_[i]).norm());
-  const std::vector<double> wanted = largest(strayed);
+  const std::vector<double> wanted = largest(distances(ends_, cloth_to));
+  if (std::equal(slack_.begin(), slack_.end(), wanted.begin(), std::greater_equal())) return;
   const std::vector<Box> before(boxes_.begin(), boxes_.begin() + own_);
   std::vector<bool> is_grown(own_, false);
   std::vector<Local> grown;
@@ -89,7 +95,6 @@ void ElementSearch::extend(std::span<const Vec3> cloth_to) {
     grown.push_back(i);
     grown_boxes.push_back(boxes_[i]);
   }
-  if (grown.empty()) return;
   own_tree_ = tree(0, own_);
   BoxTree of_grown;
   of_grown.build(std::move(grown_boxes));

@@ -11,6 +11,9 @@ struct Motion {
   std::span<const Vec3> obstacles_from, obstacles_to; ///< m
 };
 
+/// m, how far each point is from where it was.
+std::vector<double> distances(std::span<const Vec3> was, std::span<const Vec3> is);
+
 /// A vertex of cloth or of an obstacle as all ranks know it.
 struct SurfaceVertex {
   int owner;   ///< rank; obstacles belong to every rank

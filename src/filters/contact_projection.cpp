@@ -59,7 +59,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   begin(start, dt, freedom, candidate);
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
-    search_.find({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}, 2.0 * thickness_.largest(),
+    search_.find(motion(), 2.0 * thickness_.largest(),
                  slack * thickness_.largest());
     take_pairs();
   });
@@ -77,7 +77,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     if (!report.failure.empty()) break;
     double alpha = 1;
     timed([&] {
-      if (search_.follow({safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles})) take_pairs();
+      if (search_.follow(motion())) take_pairs();
       alpha = step_length();
     });
     advance_safe(alpha);

@@ -55,6 +55,7 @@ private:
   };
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
+  Motion motion() const { return {safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}; }
   void take_pairs();
   void look();
   double strain_at_target(const Freedom& freedom);

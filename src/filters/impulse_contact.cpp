@@ -19,8 +19,7 @@ constexpr int single_rounds = 10;  ///< of impulses on single pairs, before they
 constexpr int most_products = 200; ///< in the program of a zone
 constexpr double program_left = 1e-3; ///< of the thickness; pairs part by twice that, so that none closes
 constexpr double nearest = 0.2;       ///< of their gap: how near two features may come in a step
-constexpr double search_slack =
-    2.0; ///< of the thickness: how far a target may stray before a search is extended
+constexpr double search_slack = 2.0;  ///< of the thickness: how far a target may stray unsearched
 
 } // namespace
 
@@ -40,7 +39,7 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {
-    if (search_.follow({start_, target_, bodies_from_, bodies_to_})) {
+    if (search_.follow(motion())) {
       take_pairs();
       zone.clear(); // its numbers were those of the pairs before
     }
@@ -76,7 +75,7 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time, bodies_from_);
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  search_.find({start_, target_, bodies_from_, bodies_to_}, thickness_.largest(),
+  search_.find(motion(), thickness_.largest(),
                search_slack * thickness_.largest());
   take_pairs();
 }

@@ -38,6 +38,7 @@ private:
   using Zone = std::map<ContactKey, Impact>;
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
+  Motion motion() const { return {start_, target_, bodies_from_, bodies_to_}; }
   void take_pairs();
   void take_displacements();
   std::optional<Impact> impact(const Pair& pair, const Approach& approach, double wanted) const;

@@ -1,0 +1,107 @@
+#include "partition/mesh_parts.hpp"
+
+#include "partition/fetch.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+/// Sends each entity once to every rank that owns one of its vertices.
+template<class T>
+class Sender {
+public:
+  void add(const T& item, std::span<const int> owners) {
+    ranks_.assign(owners.begin(), owners.end());
+    std::sort(ranks_.begin(), ranks_.end());
+    ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
+    for (const int r : ranks_) {
+      items_.push_back(item);
+      to_.push_back(r);
+    }
+  }
+  std::vector<T> send(MPI_Comm comm) const { return exchange(comm, items_, to_).items; }
+
+private:
+  std::vector<T> items_;
+  std::vector<int> to_, ranks_;
+};
+
+std::vector<SentVertex> send_vertices(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  std::vector<SentVertex> vertices(mesh.vertices.count);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    vertices[i] = {mesh.vertices.first + Global(i), mesh.rest_positions[i]};
+  return exchange(comm, vertices, owners).items;
+}
+
+std::vector<SentCell> send_cells(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  std::vector<Global> wanted;
+  for (const Cell& c : mesh.cell)
+    wanted.insert(wanted.end(), c.vertices.begin(), c.vertices.begin() + c.size());
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<SentCell> sender;
+  std::size_t at = 0;
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
+    const std::size_t n = mesh.cell[c].size();
+    const Corners2 texture = mesh.texture.empty() ? Corners2() : mesh.texture[c];
+    sender.add({mesh.cell[c], mesh.cells.first + Global(c), texture}, std::span(owner).subspan(at, n));
+    at += n;
+  }
+  return sender.send(comm);
+}
+
+/// Stars go, as edges and triples, to the owners of their vertices.
+void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, const std::vector<int>& owners,
+                MeshParts& parts) {
+  std::vector<Global> wanted;
+  for (const Spoke& s : topology.spokes) wanted.push_back(s.neighbour);
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<SentEdge> edges;
+  Sender<YarnTriple> triples;
+  std::vector<int> around;
+  auto triple = topology.triples.begin();
+  for (Global v = 0; v < mesh.vertices.count; ++v) {
+    around.assign(owner.begin() + topology.star[v], owner.begin() + topology.star[v + 1]);
+    around.push_back(owners[v]);
+    for (std::size_t i = topology.star[v]; i < topology.star[v + 1]; ++i) {
+      const Spoke& s = topology.spokes[i];
+      if (s.edge >= 0)
+        edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour)}, around);
+    }
+    for (; triple != topology.triples.end() && triple->centre == mesh.vertices.first + v; ++triple)
+      triples.add(*triple, around);
+  }
+  parts.edges = edges.send(comm);
+  parts.triples = triples.send(comm);
+  std::sort(parts.edges.begin(), parts.edges.end(),
+            [](const SentEdge& a, const SentEdge& b) { return a.original < b.original; });
+  const auto same = [](const SentEdge& a, const SentEdge& b) { return a.original == b.original; };
+  parts.edges.erase(std::unique(parts.edges.begin(), parts.edges.end(), same), parts.edges.end());
+}
+
+std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                                   const std::vector<int>& owners) {
+  std::vector<Global> wanted;
+  for (const EdgeFaces& h : topology.hinges)
+    for (const Global v : vertices_of(h)) wanted.push_back(v);
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  Sender<EdgeFaces> sender;
+  for (std::size_t k = 0; k < topology.hinges.size(); ++k)
+    sender.add(topology.hinges[k], std::span(owner).subspan(6 * k, 6));
+  return sender.send(comm);
+}
+
+} // namespace
+
+MeshParts send_parts(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                     const std::vector<int>& owners) {
+  MeshParts parts;
+  parts.vertices = send_vertices(comm, mesh, owners);
+  parts.cells = send_cells(comm, mesh, owners);
+  send_stars(comm, mesh, topology, owners, parts);
+  parts.hinges = send_hinges(comm, mesh, topology, owners);
+  return parts;
+}
+
+} // namespace taut
