@@ -164,9 +164,7 @@ private:
     IndexMap& map = mesh_.edges;
     map.owned = Local(owned.size());
     std::unordered_map<Global, std::array<Local, 2>> ghost_ends;
-    YarnOrder yarns = order_by_yarn(ends, mesh_.triples);
-    mesh_.continues_yarn = std::move(yarns.continues);
-    for (const Local i : yarns.order) {
+    for (const Local i : order_by_yarn(ends, mesh_.triples)) {
       map.original.push_back(owned[i].original);
       mesh_.edge_vertices.push_back(ends[i]);
     }

@@ -65,8 +65,7 @@ struct DistributedMesh {
   std::vector<Global> owned_cell_originals; ///< their original numbers
   Global total_cells = 0;
   std::vector<std::array<Local, 2>> edge_vertices; ///< of local edges, lower original number first
-  std::vector<char> continues_yarn;          ///< 1 where owned edge i goes on along the yarn of edge i - 1
-  std::vector<std::array<Local, 3>> triples; ///< before, centre, after
+  std::vector<std::array<Local, 3>> triples;       ///< before, centre, after
   std::vector<Hinge> hinges;
   std::vector<std::size_t> star; ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;

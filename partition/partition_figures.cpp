@@ -146,30 +146,32 @@ void count_ghosts(const Counter& counter, Ghosts& ghosts, PartitionFigures& figu
   figures.neighbours = counter.spread(neighbours);
 }
 
-/// An edge of a yarn in a part, or the link between two such edges.
+/// An edge of a yarn in a part, or the link between two such edges that follow one another.
 struct YarnPiece {
   int part;
   Global yarn;
-  int segments; ///< +1 for an edge, -1 for a link: along an open yarn they add up to its segments
+  int segments; ///< +1 for an edge, -1 for a link: they add up to the yarn's segments in the part
   auto operator<=>(const YarnPiece&) const = default;
 };
 
-std::vector<YarnPiece> yarn_pieces(const MeshSlab& slab, const DistributedMesh& mesh,
-                                   const std::vector<Global>& yarn, const std::vector<int>& owners) {
+std::vector<YarnPiece> yarn_pieces(const MeshSlab& slab, const DistributedMesh& mesh, const Yarns& yarns,
+                                   const std::vector<int>& owners) {
+  const std::vector<Global> yarn = yarn_numbers(mesh, yarns);
   std::vector<Global> lower;
   for (const auto& ends : mesh.edge_vertices) lower.push_back(mesh.vertices.original[ends[0]]);
   const auto part = fetch<int>(mesh.comm, slab.vertices, owners, lower);
   std::vector<YarnPiece> pieces;
   for (Local e = 0; e < mesh.edges.owned; ++e) pieces.push_back({part[e], yarn[e], 1});
-  for (const auto& [before, centre, after] : mesh.triples) {
-    if (!mesh.owns_vertex(centre)) continue;
-    const Local e = edge_between(mesh, centre, before), f = edge_between(mesh, centre, after);
-    if (part[e] == part[f]) pieces.push_back({part[e], yarn[e], -1});
-  }
+  const auto link = [&](Local e, Local f) {
+    if (part[e] == part[f]) pieces.push_back({part[e], yarn[f], -1});
+  };
+  for (const YarnSegment& s : yarns.segments)
+    for (Local e = s.begin + 1; e < s.end; ++e) link(e - 1, e);
+  for (std::size_t k = 0; k < yarns.knots.size(); ++k)
+    if (yarns.before_knot[k] >= 0) link(yarns.before_knot[k], yarns.knots[k]);
   return pieces;
 }
 
-/// A closed yarn within one part has as many links as edges, and is cut open into one segment.
 void count_yarns(MPI_Comm comm, const Counter& counter, const std::vector<YarnPiece>& pieces, Global yarns,
                  PartitionFigures& figures) {
   const auto here = counter.bring_home(pieces);
@@ -180,7 +182,7 @@ void count_yarns(MPI_Comm comm, const Counter& counter, const std::vector<YarnPi
     const auto [part, yarn, first] = here[i];
     int open = 0;
     for (; i < here.size() && here[i].part == part && here[i].yarn == yarn; ++i) open += here[i].segments;
-    segments.insert(segments.end(), std::size_t(std::max(open, 1)), {part});
+    segments.insert(segments.end(), std::size_t(open), {part});
     met.push_back(yarn);
     to.push_back(slab_rank(yarns, size_of(comm), yarn));
   }
@@ -216,8 +218,7 @@ PartitionFigures partition_figures(MPI_Comm comm, const MeshSlab& mesh, const To
   const DistributedMesh whole =
       distribute(comm, mesh, topology, partition(comm, mesh, topology, Partitioner::stripes));
   const Yarns yarns = find_yarns(whole);
-  count_yarns(comm, counter, yarn_pieces(mesh, whole, yarn_numbers(whole, yarns), owners), yarns.count,
-              figures);
+  count_yarns(comm, counter, yarn_pieces(mesh, whole, yarns, owners), yarns.count, figures);
   return figures;
 }
 

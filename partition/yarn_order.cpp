@@ -36,7 +36,7 @@ private:
   std::vector<Local> edge_;
 };
 
-/// The (at most two) edges that continue each edge, -1 for none.
+/// The edges that continue each edge at its first and at its second vertex, -1 for none.
 std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local, 2>> edges,
                                                 std::span<const std::array<Local, 3>> triples) {
   const EdgesAt at(edges);
@@ -44,24 +44,23 @@ std::vector<std::array<Local, 2>> continuations(std::span<const std::array<Local
   for (const auto& [before, centre, after] : triples) {
     const Local one = at.between(centre, before), two = at.between(centre, after);
     if (one < 0 || two < 0) continue;
-    for (const auto& [e, f] : {std::pair{one, two}, std::pair{two, one}}) next[e][next[e][0] < 0 ? 0 : 1] = f;
+    next[one][edges[one][0] == centre ? 0 : 1] = two;
+    next[two][edges[two][0] == centre ? 0 : 1] = one;
   }
   return next;
 }
 
 } // namespace
 
-YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
-                        std::span<const std::array<Local, 3>> triples) {
+std::vector<Local> order_by_yarn(std::span<const std::array<Local, 2>> edges,
+                                 std::span<const std::array<Local, 3>> triples) {
   const auto next = continuations(edges, triples);
-  YarnOrder yarns;
+  std::vector<Local> order;
   std::vector<char> placed(edges.size(), 0);
-  yarns.order.reserve(edges.size());
-  yarns.continues.reserve(edges.size());
-  const auto walk_from = [&](Local e) {
-    for (Local previous = -1; e >= 0 && !placed[e];) {
-      yarns.order.push_back(e);
-      yarns.continues.push_back(previous >= 0);
+  order.reserve(edges.size());
+  const auto walk = [&](Local e, Local previous) {
+    while (e >= 0 && !placed[e]) {
+      order.push_back(e);
       placed[e] = 1;
       const Local onward = next[e][0] != previous ? next[e][0] : next[e][1];
       previous = e;
@@ -69,10 +68,10 @@ YarnOrder order_by_yarn(std::span<const std::array<Local, 2>> edges,
     }
   };
   for (std::size_t e = 0; e < edges.size(); ++e) // open yarns, from an end
-    if (!placed[e] && next[e][1] < 0) walk_from(Local(e));
+    if (!placed[e] && (next[e][0] < 0 || next[e][1] < 0)) walk(Local(e), -1);
   for (std::size_t e = 0; e < edges.size(); ++e) // what is left is closed
-    if (!placed[e]) walk_from(Local(e));
-  return yarns;
+    if (!placed[e]) walk(Local(e), next[e][0]);
+  return order;
 }
 
 } // namespace taut

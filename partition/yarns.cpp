@@ -36,13 +36,8 @@ struct Beyond {
 /// The edge that continues each local edge through its first and its second vertex, -1 for none.
 std::vector<std::array<Local, 2>> continuations(const DistributedMesh& mesh) {
   std::vector<std::array<Local, 2>> next(mesh.edges.size(), {-1, -1});
-  const auto edge_to = [&](Local centre, Local other) {
-    for (const EdgeEnd& end : mesh.star_of(centre))
-      if (end.other == other) return end.edge;
-    return Local(-1);
-  };
   for (const auto& [before, centre, after] : mesh.triples) {
-    const Local e = edge_to(centre, before), f = edge_to(centre, after);
+    const Local e = edge_between(mesh, centre, before), f = edge_between(mesh, centre, after);
     if (e < 0 || f < 0) continue;
     next[e][mesh.edge_vertices[e][0] == centre ? 0 : 1] = f;
     next[f][mesh.edge_vertices[f][0] == centre ? 0 : 1] = e;
@@ -52,16 +47,12 @@ std::vector<std::array<Local, 2>> continuations(const DistributedMesh& mesh) {
 
 class YarnFinder {
 public:
-  explicit YarnFinder(const DistributedMesh& mesh) : mesh_(mesh), rank_(rank_of(mesh.comm)) {}
+  explicit YarnFinder(const DistributedMesh& mesh)
+      : mesh_(mesh), rank_(rank_of(mesh.comm)), next_(continuations(mesh)) {}
 
   Yarns find() {
-    cut_into_segments();
-    find_ends();
-    join();
-    for (int round = 0; round < 2; ++round) { // a second time only if there are closed yarns to be cut open
-      measure();
-      if (!cut_closed()) break;
-    }
+    chain_segments();
+    if (cut_closed()) chain_segments();
     name_yarns();
     spread_knots();
     return std::move(yarns_);
@@ -78,9 +69,18 @@ private:
     std::array<Beyond, 2> beyond;
   };
 
+  void chain_segments() {
+    cut_into_segments();
+    find_ends();
+    join();
+    measure();
+  }
+
   void cut_into_segments() {
+    yarns_.segments.clear();
     for (Local e = 0; e < mesh_.edges.owned; ++e) {
-      if (!mesh_.continues_yarn[e]) yarns_.segments.push_back({e, e, -1, false, true});
+      const bool goes_on = e > 0 && (next_[e][0] == e - 1 || next_[e][1] == e - 1);
+      if (!goes_on) yarns_.segments.push_back({e, e, -1, false, true});
       ++yarns_.segments.back().end;
     }
   }
@@ -94,7 +94,7 @@ private:
   }
 
   void find_ends() {
-    const auto next = continuations(mesh_);
+    segments_.clear();
     for (const YarnSegment& s : yarns_.segments) {
       Segment segment;
       segment.lowest =
@@ -104,7 +104,7 @@ private:
         const int side = outer_side(s, end);
         const Global vertex = mesh_.vertices.original[mesh_.edge_vertices[edge][side]];
         segment.name[end] = {mesh_.edges.original[edge], vertex};
-        const Local onward = next[edge][side];
+        const Local onward = next_[edge][side];
         segment.neighbour[end] = {onward < 0 ? -1 : mesh_.edges.original[onward], vertex};
         segment.onward[end] = onward;
         if (onward >= 0)
@@ -153,11 +153,8 @@ private:
     });
     auto answers = ask<Place>(questions, ranks, [&](const EndName& name) { return place_of.at(name); });
     auto next = answers.begin();
-    for_each_end([&](Segment& s, Local number, int end) {
-      if (s.neighbour_rank[end] < 0) return;
-      s.link[end] = *next++;
-      const bool to_itself = s.link[end].rank == rank_ && s.link[end].segment == number;
-      if (to_itself) s.link[end] = {}; // a closed yarn within one rank
+    for_each_end([&](Segment& s, Local, int end) {
+      if (s.neighbour_rank[end] >= 0) s.link[end] = *next++;
     });
   }
 
@@ -212,20 +209,28 @@ private:
     });
   }
 
-  /// Cuts each closed yarn at the first end of the segment with its lowest edge. True if there were any.
+  /// Cuts each closed yarn at the first vertex of its lowest edge, on both sides of the cut. True if there
+  /// were any.
   bool cut_closed() {
-    std::vector<Place> others;
-    std::vector<int> ranks;
-    for (Segment& s : segments_) {
-      const bool closed = !s.beyond[0].finished;
-      if (!closed || s.beyond[0].lowest < s.lowest) continue;
-      others.push_back(s.link[0]);
-      ranks.push_back(s.link[0].rank);
-      s.link[0] = {};
+    bool any = false;
+    for (std::size_t i = 0; i < segments_.size(); ++i) {
+      const Segment& s = segments_[i];
+      if (s.beyond[0].finished) continue;
+      any = true;
+      const Global lowest = std::min(s.lowest, s.beyond[0].lowest);
+      for (Local e = yarns_.segments[i].begin; e < yarns_.segments[i].end; ++e)
+        for (int side = 0; side < 2; ++side)
+          if (is_cut(lowest, e, side)) next_[e][side] = -1;
     }
-    const auto cut = exchange(mesh_.comm, others, ranks);
-    for (const Place& p : cut.items) segments_[p.segment].link[p.end] = {};
-    return any_of(mesh_.comm, !others.empty());
+    return any_of(mesh_.comm, any);
+  }
+
+  /// Whether edge e ends on this side where the yarn with this lowest edge is to be cut.
+  bool is_cut(Global lowest, Local e, int side) const {
+    const Local f = next_[e][side];
+    if (mesh_.edges.original[e] == lowest) return side == 0;
+    return f >= 0 && mesh_.edges.original[f] == lowest &&
+           mesh_.edge_vertices[f][0] == mesh_.edge_vertices[e][side];
   }
 
   /// Number, direction and owner of the yarn of each segment.
@@ -278,6 +283,7 @@ private:
 
   const DistributedMesh& mesh_;
   int rank_;
+  std::vector<std::array<Local, 2>> next_; ///< continuations, less those at which closed yarns are cut
   Yarns yarns_;
   std::vector<Segment> segments_;
 };

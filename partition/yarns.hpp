@@ -15,7 +15,8 @@ struct YarnSegment {
 };
 
 /// The yarns of a mesh: maximal chains of constrained edges that go straight on through regular vertices (see
-/// YarnTriple), found in parallel and the same for any partition. A closed yarn is cut open at one place.
+/// YarnTriple), found in parallel and the same for any partition. A closed yarn is cut open where its lowest
+/// edge has its lower vertex, in original numbers.
 ///
 /// Each cut yarn has one owner, the rank at one of its two ends, chosen so that yarns spread evenly. The end
 /// edges of its segments (one for a segment of a single edge), in order along the yarn, are its knots. An

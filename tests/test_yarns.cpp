@@ -37,10 +37,11 @@ double diagonal(Global e) {
 YarnTridiagonal matrix_on(const DistributedMesh& mesh, const Yarns& yarns) {
   const auto& original = mesh.edges.original;
   YarnTridiagonal matrix;
-  for (Local e = 0; e < mesh.edges.owned; ++e) {
-    matrix.diagonal.push_back(diagonal(original[e]));
-    matrix.to_previous.push_back(mesh.continues_yarn[e] ? coupling(original[e], original[e - 1]) : 0.0);
-  }
+  for (const YarnSegment& s : yarns.segments)
+    for (Local e = s.begin; e < s.end; ++e) {
+      matrix.diagonal.push_back(diagonal(original[e]));
+      matrix.to_previous.push_back(e > s.begin ? coupling(original[e], original[e - 1]) : 0.0);
+    }
   for (std::size_t k = 0; k < yarns.knots.size(); ++k)
     matrix.to_segment_before.push_back(
         yarns.before_knot[k] < 0 ? 0.0 : coupling(original[yarns.knots[k]], original[yarns.before_knot[k]]));
@@ -87,6 +88,23 @@ void compare(const MeshSlab& slab, const MeshSlab& whole, const std::vector<int>
   // Condition numbers of these blocks are below 100: round-off stays far below 1e-12 of the largest entry.
   for (std::size_t i = 0; i < x.size(); ++i)
     EXPECT_NEAR(x[i], dense[first + Global(i)], 1e-12 * dense.cwiseAbs().maxCoeff());
+}
+
+constexpr Global around = 8, along = 4;
+
+/// A tube whose rings are closed yarns; they begin with vertex i * around.
+MeshSlab tube(MPI_Comm comm) {
+  std::vector<Vec3> points;
+  std::vector<Cell> cells;
+  for (Global v = 0; v < around * along; ++v) {
+    const double angle = 2 * M_PI * double(v % around) / around;
+    points.emplace_back(std::cos(angle), std::sin(angle), double(v / around));
+  }
+  for (Global c = 0; c < around * (along - 1); ++c) {
+    const Global i = c / around, j = c % around, k = (j + 1) % around;
+    cells.push_back({{i * around + j, i * around + k, (i + 1) * around + k, (i + 1) * around + j}});
+  }
+  return slab_of_whole(comm, points, cells);
 }
 
 } // namespace
@@ -142,25 +160,40 @@ TEST(Yarns, AreNumberedAlikeOnAnyPartition) {
   }
 }
 
-TEST(Yarns, ClosedOnesAreFoundAndCut) {
-  // A tube: 8 around, 4 along. Rings are closed yarns.
-  constexpr Global around = 8, along = 4;
-  MeshSlab slab;
-  slab.vertices = slab_of(around * along, size_of(world), rank_of(world));
-  slab.cells = slab_of(around * (along - 1), size_of(world), rank_of(world));
-  for (Global v = slab.vertices.first; v < slab.vertices.first + slab.vertices.count; ++v) {
-    const double angle = 2 * M_PI * double(v % around) / around;
-    slab.rest_positions.emplace_back(std::cos(angle), std::sin(angle), double(v / around));
-  }
-  for (Global c = slab.cells.first; c < slab.cells.first + slab.cells.count; ++c) {
-    const Global i = c / around, j = c % around, k = (j + 1) % around;
-    slab.cell.push_back({{i * around + j, i * around + k, (i + 1) * around + k, (i + 1) * around + j}});
-  }
-  for (unsigned seed = 0; seed < 6; ++seed) {
-    const DistributedMesh mesh = spread(world, slab, random_owners(slab.vertices, seed));
+TEST(Yarns, ClosedOnesAreCutAtTheSamePlaceOnAnyPartition) {
+  const auto solved = [](MPI_Comm comm, const std::vector<int>& owners) {
+    const DistributedMesh mesh = spread(comm, tube(comm), owners);
     EXPECT_EQ(find_yarns(mesh).count, around + along);
-    for (const double x : solve_in_order(mesh)) EXPECT_TRUE(std::isfinite(x));
+    return solve_in_order(mesh);
+  };
+  const Slab slab = slab_of(around * along, size_of(world), rank_of(world));
+  const auto expected = solved(MPI_COMM_SELF, std::vector<int>(around * along, 0));
+  const Global first = slab_of(Global(expected.size()), size_of(world), rank_of(world)).first;
+  const auto expect_same = [&](const std::vector<int>& owners) {
+    const auto x = solved(world, owners);
+    for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], expected[first + Global(i)], 1e-12);
+  };
+  for (unsigned seed = 0; seed < 6; ++seed) expect_same(random_owners(slab, seed));
+  for (Global shift = 0; shift < around;
+       ++shift) { // strips along the tube: each ring is cut into a few pieces
+    std::vector<int> owners;
+    for (Global v = slab.first; v < slab.first + slab.count; ++v)
+      owners.push_back(int((v + shift) % around * size_of(world) / around));
+    expect_same(owners);
   }
+}
+
+TEST(Yarns, ClosedOnesAreCutAtTheLowerVertexOfTheirLowestEdge) {
+  const DistributedMesh mesh = spread(world, tube(world), random_owners(tube(world).vertices, 3));
+  const Yarns yarns = find_yarns(mesh);
+  for (const YarnSegment& s : yarns.segments)
+    for (Local e = s.begin + 1; e < s.end; ++e)
+      for (const Local shared : mesh.edge_vertices[e])
+        if (const auto& [a, b] = mesh.edge_vertices[e - 1]; shared == a || shared == b) {
+          const Global v = mesh.vertices.original[shared], w = mesh.vertices.original[a == shared ? b : a];
+          const bool along_ring = v / around == w / around;
+          EXPECT_FALSE(along_ring && v % around == 0) << "no segment goes on through vertex " << v;
+        }
 }
 
 TEST(YarnFactor, EqualsADenseSolveOnRandomPartitions) {

@@ -148,11 +148,10 @@ struct ProjectionSystem::Petsc {
                     std::vector<double>& mu);
 
   void update_blocks(const DistributedMesh& mesh) {
-    for (Local e = 0; e < mesh.edges.owned; ++e) {
-      blocks.matrix.diagonal[e] = rows.value(e, rows.diagonal[e]);
-      if (mesh.continues_yarn[e])
+    for (Local e = 0; e < mesh.edges.owned; ++e) blocks.matrix.diagonal[e] = rows.value(e, rows.diagonal[e]);
+    for (const YarnSegment& s : yarns.segments)
+      for (Local e = s.begin + 1; e < s.end; ++e)
         blocks.matrix.to_previous[e] = rows.value(e, SplitRows::Place(rows.diagonal[e] - 1));
-    }
     for (const auto& [row, place, knot] : links.between)
       blocks.matrix.to_segment_before[knot] = rows.value(row, place);
   }

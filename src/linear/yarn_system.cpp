@@ -28,8 +28,9 @@ void YarnSystem::factor(std::span<const Vec3> gradient, std::span<const double> 
     const auto& [a, b] = mesh_.edge_vertices[e];
     const double diagonal = gradient[e].dot(moved(a, e) + moved(b, e));
     matrix_.diagonal[e] = diagonal > 0 ? diagonal + shift[e] : 1.0;
-    if (mesh_.continues_yarn[e]) matrix_.to_previous[e] = coupling(e, e - 1);
   }
+  for (const YarnSegment& s : yarns_.segments)
+    for (Local e = s.begin + 1; e < s.end; ++e) matrix_.to_previous[e] = coupling(e, e - 1);
   for (std::size_t k = 0; k < yarns_.knots.size(); ++k)
     if (yarns_.before_knot[k] >= 0)
       matrix_.to_segment_before[k] = coupling(yarns_.knots[k], yarns_.before_knot[k]);
