@@ -17,6 +17,15 @@ def datasets(path):
     return held
 
 
+def textured_sheet(turned):
+    """The small case's sheet as OBJ, with warp along x, or turned: along y."""
+    points = [(x / 10, y / 10) for y in range(11) for x in range(11)]
+    faces = [(v, v + 1, v + 12, v + 11) for y in range(10) for v in range(11 * y + 1, 11 * y + 11)]
+    return "".join([*(f"v {x} {y} 0\n" for x, y in points),
+                    *(f"vt {y} {x}\n" if turned else f"vt {x} {y}\n" for x, y in points),
+                    *("f " + " ".join(f"{v}/{v}" for v in face) + "\n" for face in faces)])
+
+
 class Output(running.Folder):
     def mesh_of(self, ranks, *options):
         run = self.run_case(f"on-{ranks}", "--overwrite", "--set", "time.end=0.05", *options, ranks=ranks)
@@ -39,6 +48,19 @@ class Output(running.Folder):
             self.assertEqual(y, of_edge[(v - v % 11, v - v % 11 + 1)] if w == v + 1 else of_edge[(v % 11, v % 11 + 11)])
         for face, a, b in zip(mesh["faces"].reshape(-1, 4), warp, weft):
             self.assertEqual((a, b), (of_edge[(face[0], face[1])], of_edge[(face[0], face[3])]))
+
+    def test_warp_and_weft_are_those_of_the_texture(self):
+        (self.folder / "case.yaml").write_text(running.SMALL.replace("grid: {size: [1, 1], vertices: [11, 11]}", "mesh: sheet.obj"))
+        found = []
+        for turned in (False, True):
+            (self.folder / "sheet.obj").write_text(textured_sheet(turned))
+            mesh = self.mesh_of(2)
+            found.append({**mesh, **datasets(self.folder / "on-2/frames/frame_000001.h5")})
+        plain, turned = found
+        self.assertGreater(np.abs(plain["cells/strain_warp"] - plain["cells/strain_weft"]).max(), 1e-4)
+        for name in ("yarn", "strain", "tension"):
+            for one, other in (("warp", "weft"), ("weft", "warp")):
+                np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9, err_msg=name)
 
     def test_yarns_are_listed_for_paraview(self):
         self.mesh_of(1)

@@ -31,8 +31,7 @@ void append_quad(const DistributedMesh& mesh, std::size_t cell, std::vector<Tang
   const auto& rest = mesh.rest_positions;
   const Corners2 m = material_coordinates(mesh, cell);
   const double area = 0.5 * double_area(m[2] - m[0], m[3] - m[1]);
-  const Vec2 along = m[1] - m[0] + m[2] - m[3];
-  const int first = std::abs(along[0]) >= std::abs(along[1]) ? 0 : 1; // direction of side 0
+  const int first = warp_side(mesh, cell); // direction of side 0
   for (int k = 0; k < 4; ++k) {
     const int next = (k + 1) % 4;
     const Local a = v[k], b = v[next];

@@ -14,12 +14,8 @@ Vec3 textured_warp(const std::array<Vec3, 4>& x, const Corners2& t) {
   return ((x[1] - x[0]) * two[1] - (x[2] - x[0]) * one[1]) / area;
 }
 
-Vec3 warp_of_quad(const std::array<Vec3, 4>& x, const Corners2* texture) {
-  const Vec3 along = x[1] - x[0] + x[2] - x[3], across = x[3] - x[0] + x[2] - x[1];
-  if (!texture) return along;
-  const Corners2& t = *texture;
-  const Vec2 run = t[1] - t[0] + t[2] - t[3];
-  return std::abs(run[0]) >= std::abs(run[1]) ? along : across;
+Vec3 warp_of_quad(const std::array<Vec3, 4>& x, int side) {
+  return side == 0 ? x[1] - x[0] + x[2] - x[3] : x[3] - x[0] + x[2] - x[1];
 }
 
 } // namespace
@@ -34,6 +30,13 @@ Vec3 default_warp(const Vec3& normal) {
   return Vec3::UnitY(); // not reached: one of two axes is far from any normal
 }
 
+int warp_side(const DistributedMesh& mesh, std::size_t cell) {
+  if (mesh.texture.empty()) return 0;
+  const Corners2& t = mesh.texture[cell];
+  const Vec2 run = t[1] - t[0] + t[2] - t[3];
+  return std::abs(run[0]) >= std::abs(run[1]) ? 0 : 1;
+}
+
 Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell) {
   const LocalCell& c = mesh.cells[cell];
   const Corners2* texture = mesh.texture.empty() ? nullptr : &mesh.texture[cell];
@@ -41,7 +44,9 @@ Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell) {
   for (int k = 0; k < 4; ++k) x[k] = mesh.rest_positions[c.vertices[k < c.size() ? k : 0]];
   const bool quad = c.size() == 4;
   const Vec3 normal = quad ? (x[2] - x[0]).cross(x[3] - x[1]) : (x[1] - x[0]).cross(x[2] - x[0]);
-  Vec3 warp = quad ? warp_of_quad(x, texture) : texture ? textured_warp(x, *texture) : Vec3(Vec3::Zero());
+  Vec3 warp = quad      ? warp_of_quad(x, warp_side(mesh, cell))
+              : texture ? textured_warp(x, *texture)
+                        : Vec3(Vec3::Zero());
   if (warp.isZero(0)) warp = default_warp(normal);
   const Vec3 n = normal.normalized(), u = (warp - n * n.dot(warp)).normalized(), v = n.cross(u);
   Corners2 corners;

@@ -1,16 +1,18 @@
 #include "src/time/frame_fields.hpp"
 
 #include "src/forces/stretch.hpp"
+#include "src/state/material_coordinates.hpp"
 
 #include <algorithm>
 
 namespace taut {
 
-std::array<Local, 4> sides_of(const DistributedMesh& mesh, const LocalCell& cell) {
+std::array<Local, 4> sides_of(const DistributedMesh& mesh, Local cell) {
   std::array<Local, 4> sides{-1, -1, -1, -1};
-  const int n = cell.size();
-  for (int k = 0; k < (n == 2 ? 1 : n); ++k)
-    sides[k] = edge_between(mesh, cell.vertices[k], cell.vertices[(k + 1) % n]);
+  const auto& v = mesh.cells[cell].vertices;
+  const int n = mesh.cells[cell].size();
+  for (int k = 0; k < (n == 2 ? 1 : n); ++k) sides[k] = edge_between(mesh, v[k], v[(k + 1) % n]);
+  if (n == 4 && warp_side(mesh, cell) == 1) std::reverse(sides.begin(), sides.end());
   return sides;
 }
 
@@ -38,7 +40,7 @@ WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>&
   };
   WarpWeft result = room_for(mesh.owned_cells.size());
   for (const Local c : mesh.owned_cells) {
-    const auto s = sides_of(mesh, mesh.cells[c]);
+    const auto s = sides_of(mesh, c);
     result.warp.push_back(mean(s[0], s[2]));
     result.weft.push_back(mean(s[1], s[3]));
   }
@@ -60,14 +62,16 @@ std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state) {
 
 namespace {
 
-/// Of one without texture, whose warp lies along its first side: the same without its place in a plane.
-std::array<double, 2> strains_of_quad(const DistributedMesh& mesh, const LocalCell& cell,
+/// Those of its sides; what else makes up tangents would take longer.
+std::array<double, 2> strains_of_quad(const DistributedMesh& mesh, Local cell,
                                       std::span<const Vec3> positions) {
   std::array<double, 2> strains{};
+  const auto& v = mesh.cells[cell].vertices;
+  const int first = warp_side(mesh, cell);
   for (int k = 0; k < 4; ++k) {
-    const Local a = cell.vertices[k], b = cell.vertices[(k + 1) % 4];
+    const Local a = v[k], b = v[(k + 1) % 4];
     const double rest = (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
-    strains[k % 2] += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
+    strains[(first + k) % 2] += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
   }
   return strains;
 }
@@ -78,8 +82,8 @@ WarpWeft strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions) {
   WarpWeft result = room_for(cloth.mesh.owned_cells.size());
   std::vector<Tangent> tangents; // of one cell; those of all would outweigh the mesh
   for (const Local c : cloth.mesh.owned_cells) {
-    if (cloth.mesh.cells[c].size() == 4 && cloth.mesh.texture.empty()) {
-      const auto [warp, weft] = strains_of_quad(cloth.mesh, cloth.mesh.cells[c], positions);
+    if (cloth.mesh.cells[c].size() == 4) {
+      const auto [warp, weft] = strains_of_quad(cloth.mesh, c, positions);
       result.warp.push_back(warp);
       result.weft.push_back(weft);
       continue;

@@ -8,15 +8,16 @@ namespace taut {
 std::vector<double> strains_of_edges(const Cloth& cloth, const State& state);
 std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state); ///< N
 
-/// The edges along the sides of a cell; -1 where there is none.
-std::array<Local, 4> sides_of(const DistributedMesh& mesh, const LocalCell& cell);
+/// The edges along the sides of a cell, -1 where there is none: along warp (0, 2) and weft (1, 3), 0 and 3 at
+/// the first corner of a quad.
+std::array<Local, 4> sides_of(const DistributedMesh& mesh, Local cell);
 
 /// Of owned cells, along warp and along weft.
 struct WarpWeft {
   std::vector<double> warp, weft;
 };
 
-/// What a face shows of its edges: the means over the sides along warp (0, 2) and along weft (1, 3).
+/// What a face shows of its edges: the means over the sides along warp and along weft.
 WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values);
 
 /// The strains of tangents |w| - 1, the means over those of a cell.

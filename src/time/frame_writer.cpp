@@ -130,7 +130,7 @@ void FrameWriter::write_yarns(H5Writer& file) const {
   };
   std::vector<Global> warp, weft;
   for (const Local c : mesh.owned_cells) {
-    const auto s = sides_of(mesh, mesh.cells[c]);
+    const auto s = sides_of(mesh, c);
     warp.push_back(of_side(s[0], s[2]));
     weft.push_back(of_side(s[3], s[1]));
   }
