@@ -42,21 +42,6 @@ void compare_with_ranks(const MeshSlab& slab, const std::vector<int>& owners) {
   EXPECT_EQ(figures.cut_yarns, sum_over(world, cut));
 }
 
-MeshSlab tube(MPI_Comm comm) { // 8 around, 4 along: its rings are closed yarns
-  constexpr Global around = 8, along = 4;
-  std::vector<Vec3> points;
-  std::vector<Cell> cells;
-  for (Global v = 0; v < around * along; ++v) {
-    const double angle = 2 * M_PI * double(v % around) / around;
-    points.emplace_back(std::cos(angle), std::sin(angle), double(v / around));
-  }
-  for (Global c = 0; c < around * (along - 1); ++c) {
-    const Global i = c / around, j = c % around, k = (j + 1) % around;
-    cells.push_back({{i * around + j, i * around + k, (i + 1) * around + k, (i + 1) * around + j}});
-  }
-  return slab_of_whole(comm, points, cells);
-}
-
 } // namespace
 
 TEST(PartitionFigures, AreThoseOfTheRanksByMetis) {
@@ -70,7 +55,7 @@ TEST(PartitionFigures, AreThoseOfTheRanksByStripes) {
 }
 
 TEST(PartitionFigures, AreThoseOfTheRanksOnAnyMesh) {
-  for (const MakeMesh& make : {MakeMesh(mixed_mesh), MakeMesh(triangle_mesh), MakeMesh(tube)})
+  for (const MakeMesh& make : {MakeMesh(mixed_mesh), MakeMesh(triangle_mesh), MakeMesh(tube_mesh)})
     for (unsigned seed = 0; seed < 4; ++seed) {
       const MeshSlab slab = make(world);
       compare_with_ranks(slab, random_owners(slab.vertices, seed));
@@ -78,7 +63,7 @@ TEST(PartitionFigures, AreThoseOfTheRanksOnAnyMesh) {
 }
 
 TEST(PartitionFigures, AClosedYarnWithinOnePartIsOneSegment) {
-  const MeshSlab slab = tube(world);
+  const MeshSlab slab = tube_mesh(world);
   std::vector<int> rings; // four parts of one ring each: the rings are whole, the lengthwise yarns are cut
   for (Global v = slab.vertices.first; v < slab.vertices.first + slab.vertices.count; ++v)
     rings.push_back(int(v / 8));

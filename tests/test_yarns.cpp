@@ -90,23 +90,6 @@ void compare(const MeshSlab& slab, const MeshSlab& whole, const std::vector<int>
     EXPECT_NEAR(x[i], dense[first + Global(i)], 1e-12 * dense.cwiseAbs().maxCoeff());
 }
 
-constexpr Global around = 8, along = 4;
-
-/// A tube whose rings are closed yarns; they begin with vertex i * around.
-MeshSlab tube(MPI_Comm comm) {
-  std::vector<Vec3> points;
-  std::vector<Cell> cells;
-  for (Global v = 0; v < around * along; ++v) {
-    const double angle = 2 * M_PI * double(v % around) / around;
-    points.emplace_back(std::cos(angle), std::sin(angle), double(v / around));
-  }
-  for (Global c = 0; c < around * (along - 1); ++c) {
-    const Global i = c / around, j = c % around, k = (j + 1) % around;
-    cells.push_back({{i * around + j, i * around + k, (i + 1) * around + k, (i + 1) * around + j}});
-  }
-  return slab_of_whole(comm, points, cells);
-}
-
 } // namespace
 
 TEST(Yarns, OfAGridAreItsRowsAndColumns) {
@@ -162,37 +145,37 @@ TEST(Yarns, AreNumberedAlikeOnAnyPartition) {
 
 TEST(Yarns, ClosedOnesAreCutAtTheSamePlaceOnAnyPartition) {
   const auto solved = [](MPI_Comm comm, const std::vector<int>& owners) {
-    const DistributedMesh mesh = spread(comm, tube(comm), owners);
-    EXPECT_EQ(find_yarns(mesh).count, around + along);
+    const DistributedMesh mesh = spread(comm, tube_mesh(comm), owners);
+    EXPECT_EQ(find_yarns(mesh).count, tube_around + tube_along);
     return solve_in_order(mesh);
   };
-  const Slab slab = slab_of(around * along, size_of(world), rank_of(world));
-  const auto expected = solved(MPI_COMM_SELF, std::vector<int>(around * along, 0));
+  const Slab slab = slab_of(tube_around * tube_along, size_of(world), rank_of(world));
+  const auto expected = solved(MPI_COMM_SELF, std::vector<int>(tube_around * tube_along, 0));
   const Global first = slab_of(Global(expected.size()), size_of(world), rank_of(world)).first;
   const auto expect_same = [&](const std::vector<int>& owners) {
     const auto x = solved(world, owners);
     for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(x[i], expected[first + Global(i)], 1e-12);
   };
   for (unsigned seed = 0; seed < 6; ++seed) expect_same(random_owners(slab, seed));
-  for (Global shift = 0; shift < around;
+  for (Global shift = 0; shift < tube_around;
        ++shift) { // strips along the tube: each ring is cut into a few pieces
     std::vector<int> owners;
     for (Global v = slab.first; v < slab.first + slab.count; ++v)
-      owners.push_back(int((v + shift) % around * size_of(world) / around));
+      owners.push_back(int((v + shift) % tube_around * size_of(world) / tube_around));
     expect_same(owners);
   }
 }
 
 TEST(Yarns, ClosedOnesAreCutAtTheLowerVertexOfTheirLowestEdge) {
-  const DistributedMesh mesh = spread(world, tube(world), random_owners(tube(world).vertices, 3));
+  const DistributedMesh mesh = spread(world, tube_mesh(world), random_owners(tube_mesh(world).vertices, 3));
   const Yarns yarns = find_yarns(mesh);
   for (const YarnSegment& s : yarns.segments)
     for (Local e = s.begin + 1; e < s.end; ++e)
       for (const Local shared : mesh.edge_vertices[e])
         if (const auto& [a, b] = mesh.edge_vertices[e - 1]; shared == a || shared == b) {
           const Global v = mesh.vertices.original[shared], w = mesh.vertices.original[a == shared ? b : a];
-          const bool along_ring = v / around == w / around;
-          EXPECT_FALSE(along_ring && v % around == 0) << "no segment goes on through vertex " << v;
+          const bool along_ring = v / tube_around == w / tube_around;
+          EXPECT_FALSE(along_ring && v % tube_around == 0) << "no segment goes on through vertex " << v;
         }
 }
 
