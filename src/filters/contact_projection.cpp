@@ -30,9 +30,7 @@ SolverOptions solver_options(const config::Inextensibility& options) {
 }
 
 /// The gap that the safe iterate must keep while it moves.
-double floor_of(double gap, double thickness) {
-  return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
-}
+double floor_of(double gap, double thickness) { return std::min(0.8 * gap, 0.25 * thickness); }
 
 } // namespace
 
@@ -59,8 +57,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   begin(start, dt, freedom, candidate);
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
-    search_.find(motion(), 2.0 * thickness_.largest(),
-                 slack * thickness_.largest());
+    search_.find(motion(), near * thickness_.largest(), slack * thickness_.largest());
     take_pairs();
   });
   for (iteration_ = 1;; ++iteration_) {

@@ -43,6 +43,8 @@ public:
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
+  static constexpr double near = 1.5; ///< thicknesses: what is or comes nearer is a contact
+
   /// What presses and rubs between two features.
   struct Touch {
     Pressed pressed;               ///< kg m, by the step's programs and what is carried
@@ -63,7 +65,9 @@ private:
   void make_rows();
   void recall_contacts();
   void find_contacts();
+  double gap_ahead(const Pair& pair, const Approach& here) const;
   void add_contact(const Pair& pair, const Approach& here);
+  void add_corners(const Pair& pair, const Approach& here);
   void add_normal_row(Local contact);
   void add_friction_rows(Local contact);
   void project(double strain, FilterReport& report);

@@ -58,7 +58,11 @@ void ContactProjection::make_rows() {
 
 void ContactProjection::find_contacts() {
   contacts_.clear();
-  for (std::size_t k = 0; k < search_.pairs().size(); ++k) add_contact(search_.pairs()[k], approaches_[k]);
+  for (std::size_t k = 0; k < search_.pairs().size(); ++k) {
+    const Pair& pair = search_.pairs()[k];
+    add_contact(pair, approaches_[k]);
+    if (pair.body >= 0 && obstacles_.body(pair.body).is_round) add_corners(pair, approaches_[k]);
+  }
   // several pairs may have found the same contact
   std::sort(contacts_.begin(), contacts_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
   contacts_.erase(std::unique(contacts_.begin(), contacts_.end(),
@@ -67,14 +71,19 @@ void ContactProjection::find_contacts() {
   contact_count_ = sum_over(comm_, Global(contacts_.size()));
 }
 
+/// The gap at the target, as far as the features keep their direction.
+double ContactProjection::gap_ahead(const Pair& pair, const Approach& here) const {
+  Vec3 ahead = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
+  return here.normal.dot(ahead) - pair.radius;
+}
+
 /// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
 /// but friction then chatters: the capstan's force comes out half as large again.)
 void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
   const double thickness = thickness_.of(pair, search_.keys());
-  Vec3 ahead = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
-  const double gap = here.normal.dot(ahead) - pair.radius;
-  const bool is_near = std::min(gap, here.gap) < 2.0 * thickness;
+  const double gap = gap_ahead(pair, here);
+  const bool is_near = std::min(gap, here.gap) < near * thickness;
   if (!is_near && blocked_.empty()) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
@@ -88,6 +97,23 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
   contacts_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness - gap,
                        key_of(pair, here, search_.keys()), friction_of(pair, obstacles_, contact_),
                        pair.body});
+}
+
+/// Vertices of cloth that are about to press on a round obstacle though all around them is nearer to it now,
+/// and so alone is in the pairs: without a row of their own, what pulls them in goes unopposed.
+void ContactProjection::add_corners(const Pair& pair, const Approach& here) {
+  const bool is_face = pair.kind == PairKind::vertex_face;
+  for (int i = is_face ? 1 : 0; i < (is_face ? 4 : 2); ++i) {
+    if (std::abs(here.weights[i]) == 1) continue; // the pair is this contact
+    const auto& v = pair.vertices;
+    Pair corner = pair;
+    corner.kind = PairKind::vertex_edge; // the same way round as in the pair
+    corner.vertices = is_face ? std::array{v[0], v[i], v[i], v[i]} : std::array{v[i], v[2], v[3], v[3]};
+    const Approach alone = approach(corner, at(corner, safe_field_));
+    const bool is_beside = !is_face && (alone.weights[1] == 0 || alone.weights[2] == 0); // faces have it
+    const double gap = std::min(alone.gap, gap_ahead(corner, alone));
+    if (!is_beside && gap < thickness_.of(pair, search_.keys())) add_contact(corner, alone);
+  }
 }
 
 /// Fetches what the last step left of contacts that are the first time in this one, and lets them start from
