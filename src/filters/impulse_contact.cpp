@@ -75,8 +75,7 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time, bodies_from_);
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  search_.find(motion(), thickness_.largest(),
-               search_slack * thickness_.largest());
+  search_.find(motion(), thickness_.largest(), search_slack * thickness_.largest());
   take_pairs();
 }
 
