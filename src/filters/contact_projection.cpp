@@ -30,7 +30,9 @@ SolverOptions solver_options(const config::Inextensibility& options) {
 }
 
 /// The gap that the safe iterate must keep while it moves.
-double floor_of(double gap, double thickness) { return std::min(0.8 * gap, 0.25 * thickness); }
+double floor_of(double gap, double thickness) {
+  return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
+}
 
 } // namespace
 

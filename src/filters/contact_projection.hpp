@@ -43,7 +43,7 @@ public:
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
-  static constexpr double near = 1.5; ///< thicknesses: what is or comes nearer is a contact
+  static constexpr double near = 2.0; ///< thicknesses: what is or comes nearer is a contact
 
   /// What presses and rubs between two features.
   struct Touch {

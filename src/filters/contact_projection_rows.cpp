@@ -61,7 +61,8 @@ void ContactProjection::find_contacts() {
   for (std::size_t k = 0; k < search_.pairs().size(); ++k) {
     const Pair& pair = search_.pairs()[k];
     add_contact(pair, approaches_[k]);
-    if (pair.body >= 0 && obstacles_.body(pair.body).is_round) add_corners(pair, approaches_[k]);
+    const bool is_round = pair.body >= 0 && obstacles_.body(pair.body).is_round;
+    if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, approaches_[k]);
   }
   // several pairs may have found the same contact
   std::sort(contacts_.begin(), contacts_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
@@ -99,20 +100,18 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
                        pair.body});
 }
 
-/// Vertices of cloth that are about to press on a round obstacle though all around them is nearer to it now,
-/// and so alone is in the pairs: without a row of their own, what pulls them in goes unopposed.
+/// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
+/// alone is in the pairs: without a row of their own, what pulls them in goes unopposed. (Along a capsule,
+/// edges of cloth are in the pairs, and rows of vertices beside theirs make friction chatter.)
 void ContactProjection::add_corners(const Pair& pair, const Approach& here) {
-  const bool is_face = pair.kind == PairKind::vertex_face;
-  for (int i = is_face ? 1 : 0; i < (is_face ? 4 : 2); ++i) {
-    if (std::abs(here.weights[i]) == 1) continue; // the pair is this contact
-    const auto& v = pair.vertices;
+  for (int i = 1; i < 4; ++i) {
+    if (here.weights[i] == -1) continue; // the pair is this contact
     Pair corner = pair;
-    corner.kind = PairKind::vertex_edge; // the same way round as in the pair
-    corner.vertices = is_face ? std::array{v[0], v[i], v[i], v[i]} : std::array{v[i], v[2], v[3], v[3]};
+    corner.kind = PairKind::vertex_edge; // an edge of no length
+    std::fill(corner.vertices.begin() + 1, corner.vertices.end(), pair.vertices[i]);
     const Approach alone = approach(corner, at(corner, safe_field_));
-    const bool is_beside = !is_face && (alone.weights[1] == 0 || alone.weights[2] == 0); // faces have it
     const double gap = std::min(alone.gap, gap_ahead(corner, alone));
-    if (!is_beside && gap < thickness_.of(pair, search_.keys())) add_contact(corner, alone);
+    if (gap < thickness_.of(pair, search_.keys())) add_contact(corner, alone);
   }
 }
 
