@@ -65,11 +65,9 @@ void check_size(std::size_t given, int columns, Slab rows) {
 H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
   h5::silence();
   const std::string subject = fmt::format("{}: cannot be created", path_.string());
-  std::string beginning;
-  h5::collectively(comm_, subject, cure, [&] { beginning = file_without_datasets(); });
   try {
     broadcast(comm_, [&] {
-      begin_part(path_, beginning);
+      h5::collectively(MPI_COMM_SELF, subject, cure, [&] { begin_part(path_, file_without_datasets()); });
       return std::string();
     });
     set_aside(0);

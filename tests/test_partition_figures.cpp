@@ -66,7 +66,7 @@ TEST(PartitionFigures, AClosedYarnWithinOnePartIsOneSegment) {
   const MeshSlab slab = tube_mesh(world);
   std::vector<int> rings; // four parts of one ring each: the rings are whole, the lengthwise yarns are cut
   for (Global v = slab.vertices.first; v < slab.vertices.first + slab.vertices.count; ++v)
-    rings.push_back(int(v / 8));
+    rings.push_back(int(v / tube_around));
   const PartitionFigures figures = partition_figures(world, slab, find_topology(world, slab), rings, 4);
   EXPECT_EQ(figures.yarns, 8 + 4);
   EXPECT_EQ(figures.cut_yarns, 8);

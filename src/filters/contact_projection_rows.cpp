@@ -101,8 +101,8 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
 }
 
 /// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
-/// alone is in the pairs: without a row of their own, what pulls them in goes unopposed. (Along a capsule,
-/// edges of cloth are in the pairs, and rows of vertices beside theirs make friction chatter.)
+/// alone is in the pairs: without a row of their own, what pulls them in goes unopposed. (Along a capsule
+/// edges of cloth are in the pairs; with rows of vertices beside theirs the capstan's force came out larger.)
 void ContactProjection::add_corners(const Pair& pair, const Approach& here) {
   for (int i = 1; i < 4; ++i) {
     if (here.weights[i] == -1) continue; // the pair is this contact

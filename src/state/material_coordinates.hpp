@@ -9,8 +9,8 @@ namespace taut {
 /// nearly as the plane of the triangle allows (along y if that is perpendicular to x).
 Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell);
 
-/// Which sides of a quad are its warp: 0 for the sides 0-1 and 3-2, or 1 for the other two, if the texture
-/// says that v grows more along those.
+/// Which sides of a quad are its warp: 0 for the sides 0-1 and 3-2; 1 for the other two, where the texture
+/// says that v grows more than u along 0-1 and 3-2.
 int warp_side(const DistributedMesh& mesh, std::size_t cell);
 
 /// Warp of a face with this normal in a mesh without texture; of length one.
