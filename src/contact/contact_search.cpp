@@ -37,17 +37,49 @@ private:
   std::array<double, 3> at_;
 };
 
+/// Which corners of two elements are the same vertex.
+struct Shared {
+  bool same[3][3] = {};        ///< corner k of the first and l of the second
+  int count = 0, k = 0, l = 0; ///< how many, and one of them
+
+  Shared(const Element& a, const std::array<Global, 3>& keys_a, const Element& b,
+         const std::array<Global, 3>& keys_b) {
+    for (int i = 0; i < a.corners; ++i)
+      for (int j = 0; j < b.corners; ++j)
+        if (keys_a[i] == keys_b[j]) {
+          same[i][j] = true;
+          ++count, k = i, l = j;
+        }
+  }
+};
+
+/// m by which the edge from p to q is beyond the triangle (0, r, s), along the direction to its middle.
+double beyond(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+  const Vec3 n = p + q;
+  const double room = std::min(n.dot(p), n.dot(q)) - std::max({0.0, n.dot(r), n.dot(s)});
+  return room > 0 ? room / n.norm() : 0.0;
+}
+
+/// m that features of two triangles which have no vertex in common are apart, at least, if the triangles have
+/// a corner in common: one of two such features is in the edge opposite that corner.
+double apart_around(const Shared& shared, const Element& a, const Element& b, std::span<const Vec3> x) {
+  const auto from_corner = [&](const Element& e, int corner, int other) {
+    return Vec3(x[e.vertices[(corner + other) % 3]] - x[e.vertices[corner]]);
+  };
+  const Vec3 p = from_corner(a, shared.k, 1), q = from_corner(a, shared.k, 2);
+  const Vec3 r = from_corner(b, shared.l, 1), s = from_corner(b, shared.l, 2);
+  return std::min(beyond(p, q, r, s), beyond(r, s, p, q));
+}
+
 /// Calls visit(kind, vertices, apart) for the pairs of features of two elements that have no vertex in
 /// common: vertices against faces both ways, edges against edges, each by the element that represents it. An
 /// element without a face has edges only, a point is an edge of no length. `apart` is by how much the
 /// features are apart along the direction of the extents.
 template<class Visit>
-void for_each_feature_pair(const Element& a, const Element& b, const Extent& along_a, const Extent& along_b,
-                           std::span<const SurfaceVertex> vertices, Visit&& visit) {
+void for_each_feature_pair(const Element& a, const Element& b, const Shared& shared, const Extent& along_a,
+                           const Extent& along_b, Visit&& visit) {
   const auto &v = a.vertices, &w = b.vertices;
-  bool same[3][3] = {}; // whether vertex k of a is vertex l of b
-  for (int k = 0; k < a.corners; ++k)
-    for (int l = 0; l < b.corners; ++l) same[k][l] = vertices[v[k]].key == vertices[w[l]].key;
+  const auto& same = shared.same;
   for (int k = 0; b.is_triangle() && k < a.corners; ++k)
     if (a.represents_vertex(k) && !same[k][0] && !same[k][1] && !same[k][2])
       visit(PairKind::vertex_face, {v[k], w[0], w[1], w[2]}, apart(along_a.of(k), along_b.all()));
@@ -119,6 +151,10 @@ void ContactSearch::look_at(std::span<const BoxPair> pairs, std::span<const doub
 double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
   const ElementSearch::Range range = elements_.range(elements);
+  const Shared shared(a, elements_.keys(elements.first), b, elements_.keys(elements.second));
+  if (shared.count == 1 && a.is_triangle() && b.is_triangle())
+    if (const double spare = apart_around(shared, a, b, elements_.positions()) - range.far; spare > 0)
+      return spare;
   const Vec3 across = elements_.direction(elements);
   const Extent along_a(a, elements_.positions(), across), along_b(b, elements_.positions(), across);
   if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > 0) return spare;
@@ -126,7 +162,7 @@ double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::ve
   const double radius = body >= 0 ? obstacles_.body(body).radius : 0.0;
   double least = HUGE_VAL;
   std::uint16_t bit = 1; // of at most six pairs of vertex and face and nine of edges
-  for_each_feature_pair(a, b, along_a, along_b, elements_.vertices(),
+  for_each_feature_pair(a, b, shared, along_a, along_b,
                         [&](PairKind kind, const std::array<Local, 4>& vertices, double apart_across) {
                           const std::uint16_t mine = std::exchange(bit, bit << 1);
                           if (held & mine) return;

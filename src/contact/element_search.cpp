@@ -21,8 +21,10 @@ std::vector<Box> blocks_of(std::span<const Box> boxes) {
   return blocks;
 }
 
-void append(std::span<const BoxPair> found, Local first, std::vector<BoxPair>& pairs) {
-  for (const auto& [i, j] : found) pairs.emplace_back(i, first + j);
+BoxTree tree_of(std::vector<Box> boxes) {
+  BoxTree tree;
+  tree.build(std::move(boxes));
+  return tree;
 }
 
 Box around(std::span<const Box> boxes) {
@@ -58,6 +60,10 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     elements_.push_back(e);
   }
   known_elements_ = Local(elements_.size());
+  for (const Element& e : elements_) {
+    auto& keys = keys_.emplace_back();
+    for (int k = 0; k < e.corners; ++k) keys[k] = known_[e.vertices[k]].key;
+  }
 }
 
 void ElementSearch::find(const Motion& motion, double reach, double slack) {
@@ -67,9 +73,12 @@ void ElementSearch::find(const Motion& motion, double reach, double slack) {
   slack_.assign(own_, slack);
   boxes_.clear();
   for (Local i = 0; i < known_elements_; ++i) boxes_.push_back(box_around(i));
-  own_tree_ = tree(0, own_);
+  own_tree_.build({boxes_.begin(), boxes_.begin() + own_});
+  obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
+  grown_.clear();
+  is_grown_.assign(own_, false);
   pairs_ = own_tree_.pairs();
-  append(own_tree_.pairs_with(tree(own_, known_elements_)), own_, pairs_);
+  for (const auto& [i, j] : own_tree_.pairs_with(obstacle_tree_)) pairs_.emplace_back(i, own_ + j);
   find_across();
 }
 
@@ -84,39 +93,50 @@ void ElementSearch::extend(std::span<const Vec3> cloth_to) {
   const std::vector<double> wanted = largest(distances(ends_, cloth_to));
   if (std::equal(slack_.begin(), slack_.end(), wanted.begin(), std::greater_equal())) return;
   const std::vector<Box> before(boxes_.begin(), boxes_.begin() + own_);
-  std::vector<bool> is_grown(own_, false);
+  const std::vector<Local> grown = grow(wanted);
+  std::vector<bool> grew(own_, false);
+  for (const Local i : grown) grew[i] = true;
+  const BoxTree of_grown = tree_of_grown(grown);
+  for (const auto& [g, j] : of_grown.pairs_with(own_tree_))
+    if (!is_grown_[j] && !before[grown[g]].overlaps(boxes_[j])) pairs_.push_back(std::minmax(grown[g], j));
+  for (const auto& [g, h] : of_grown.pairs_with(tree_of_grown(grown_))) {
+    const Local i = grown[g], j = grown_[h];
+    const bool is_other = grew[j] ? i < j : i != j; // two that grew now meet twice
+    if (is_other && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
+  }
+  for (const auto& [g, j] : of_grown.pairs_with(obstacle_tree_))
+    if (!before[grown[g]].overlaps(boxes_[own_ + j])) pairs_.emplace_back(grown[g], own_ + j);
+}
+
+/// Gives the elements that want more slack than they have more than they want; returns which.
+std::vector<Local> ElementSearch::grow(std::span<const double> wanted) {
   std::vector<Local> grown;
-  std::vector<Box> grown_boxes;
   for (Local i = 0; i < own_; ++i) {
     if (wanted[i] <= slack_[i]) continue;
     boxes_[i].inflate(ample * wanted[i] - slack_[i]);
     slack_[i] = ample * wanted[i];
-    is_grown[i] = true;
     grown.push_back(i);
-    grown_boxes.push_back(boxes_[i]);
+    if (!is_grown_[i]) grown_.push_back(i);
+    is_grown_[i] = true;
   }
-  own_tree_ = tree(0, own_);
-  BoxTree of_grown;
-  of_grown.build(std::move(grown_boxes));
-  for (const auto& [g, j] : of_grown.pairs_with(own_tree_)) {
-    const Local i = grown[g];
-    const bool is_other = is_grown[j] ? i < j : i != j; // two that have grown meet twice
-    if (is_other && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
-  }
-  for (const auto& [g, j] : of_grown.pairs_with(tree(own_, known_elements_)))
-    if (!before[grown[g]].overlaps(boxes_[own_ + j])) pairs_.emplace_back(grown[g], own_ + j);
+  return grown;
 }
 
 /// Whatever other ranks had sent before is forgotten.
 void ElementSearch::find_across() {
   elements_.resize(known_elements_);
   boxes_.resize(known_elements_);
+  keys_.resize(known_elements_);
   receive_elements();
   balls_.clear();
   for (const Element& e : elements_) balls_.push_back(ball_around(e));
   pairs_across_.clear();
-  append(own_tree_.pairs_with(tree(known_elements_, Local(elements_.size()))), known_elements_,
-         pairs_across_);
+  if (Local(elements_.size()) == known_elements_) return;
+  const BoxTree received = tree_of({boxes_.begin() + known_elements_, boxes_.end()});
+  for (const auto& [i, j] : own_tree_.pairs_with(received))
+    if (!is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
+  for (const auto& [g, j] : tree_of_grown(grown_).pairs_with(received))
+    pairs_across_.emplace_back(grown_[g], known_elements_ + j);
 }
 
 std::vector<double> ElementSearch::largest(std::span<const double> cloth) const {
@@ -156,10 +176,10 @@ Box ElementSearch::box_around(Local element) const {
   return box;
 }
 
-BoxTree ElementSearch::tree(Local first, Local last) const {
-  BoxTree tree;
-  tree.build({boxes_.begin() + first, boxes_.begin() + last});
-  return tree;
+BoxTree ElementSearch::tree_of_grown(std::span<const Local> elements) const {
+  std::vector<Box> boxes;
+  for (const Local i : elements) boxes.push_back(boxes_[i]);
+  return tree_of(std::move(boxes));
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
@@ -192,7 +212,9 @@ void ElementSearch::receive_elements() {
   }
   for (const SentElement& s : exchange(comm, sent, destinations).items) {
     Element element = s.element;
+    auto& keys = keys_.emplace_back();
     for (int k = 0; k < element.corners; ++k) {
+      keys[k] = s.vertices[k].key;
       element.vertices[k] = Local(vertices_.size());
       vertices_.push_back(s.vertices[k]);
       x_.push_back(s.x[k]);

@@ -57,6 +57,9 @@ public:
     return {reach_, reach_ + a.spread + b.spread + (a.motion - b.motion).norm() + b.thickness};
   }
 
+  /// Of its vertices; beyond its corners there are none.
+  const std::array<Global, 3>& keys(Local k) const { return keys_[k]; }
+
   /// Of length 1, between the middles of two elements.
   Vec3 direction(const BoxPair& pair) const {
     return (balls_[pair.first].centre - balls_[pair.second].centre).normalized();
@@ -88,9 +91,10 @@ private:
 
   void take_positions(const Motion& motion);
   void extend(std::span<const Vec3> cloth_to);
+  std::vector<Local> grow(std::span<const double> wanted);
   Ball ball_around(const Element& element) const;
   Box box_around(Local element) const;
-  BoxTree tree(Local first, Local last) const;
+  BoxTree tree_of_grown(std::span<const Local> elements) const;
   void find_across();
   void receive_elements();
   void append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const;
@@ -104,9 +108,12 @@ private:
   std::vector<double> slack_; ///< m, of elements of this rank's cloth
   double reach_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
-  Local own_, known_elements_;    ///< so many are of this rank's cloth, of that and the obstacles
-  std::vector<Box> boxes_;        ///< in a frame that moves like the cloth on the mean
-  BoxTree own_tree_;
+  std::vector<std::array<Global, 3>> keys_;
+  Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
+  std::vector<Box> boxes_;           ///< in a frame that moves like the cloth on the mean
+  BoxTree own_tree_, obstacle_tree_; ///< as the boxes were when the search began
+  std::vector<Local> grown_;         ///< elements whose boxes have grown since
+  std::vector<bool> is_grown_;       ///< of this rank's cloth
   std::vector<Ball> balls_;
   std::vector<BoxPair> pairs_, pairs_across_;
 };
