@@ -103,7 +103,7 @@ void ContactProjection::propose(Candidate& candidate) const {
     candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt_ * dt_);
     candidate.pulled[e] = pulled_[e] / (dt_ * dt_);
   }
-  candidate.contacts = bring_home(cloth_.mesh, noted_);
+  candidate.contacts = bring_home(cloth_.mesh, pressed_contacts());
 }
 
 void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
@@ -113,7 +113,6 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
   at_home_ = start.contacts;
-  noted_.clear();
   touched_.clear();
   blocked_.clear();
   start_.cloth = start.positions;

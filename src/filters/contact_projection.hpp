@@ -61,7 +61,9 @@ private:
   void take_pairs();
   void look();
   double strain_at_target(const Freedom& freedom);
+  ContactEntry entry_of(const Touch& touch) const;
   void note_contact_forces(Candidate& candidate);
+  ContactMemory pressed_contacts() const;
   void make_rows();
   void recall_contacts();
   void find_contacts();
@@ -108,7 +110,6 @@ private:
   std::vector<Touch*> touches_; ///< of the contacts, into `touched_`
   std::vector<ContactRow> rows_;
   ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
-  ContactMemory noted_;   ///< of this step, what rows of this rank pressed
   std::unordered_map<ContactKey, Touch, HashOfKey> touched_; ///< in this step
   std::vector<Vec3> gradient_;
   std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;

@@ -17,21 +17,22 @@ constexpr double slip_left = 0.03; ///< the same
 
 } // namespace
 
-/// Of the contacts there are: what has pressed them so far, and what of it lasts (per dt^2, newtons); both
-/// also as forces on vertices.
+/// Per dt^2, newtons: what has pressed a contact in this step, and what of it lasts.
+ContactEntry ContactProjection::entry_of(const Touch& touch) const {
+  const Pressed now = touch.pressed.scaled(1 / (dt_ * dt_));
+  return {now, touch.before ? lasting(*touch.before, now) : Pressed{}};
+}
+
+/// What the contacts there are press and carry, as forces on vertices.
 void ContactProjection::note_contact_forces(Candidate& candidate) {
-  noted_.clear();
   candidate.contact_force.assign(candidate.contact_force.size(), Vec3::Zero());
   candidate.pressing.assign(candidate.pressing.size(), Vec3::Zero());
   if (contact_count_ == 0) return;
   std::vector<Vec3> lasting_forces(search_.size(), Vec3::Zero()), all_forces = lasting_forces;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k];
-    const Touch& touch = *touches_[k];
-    if (touch.pressed.normal <= 0) continue;
-    const Pressed now = touch.pressed.scaled(1 / (dt_ * dt_));
-    const Pressed carried = touch.before ? lasting(*touch.before, now) : Pressed{};
-    noted_.emplace_hint(noted_.end(), contact.key, ContactEntry{now, carried});
+    if (touches_[k]->pressed.normal <= 0) continue;
+    const auto [now, carried] = entry_of(*touches_[k]);
     for (int i = 0; i < 4; ++i) {
       lasting_forces[contact.vertices[i]] +=
           contact.weights[i] * (carried.normal * contact.normal + carried.tangent);
@@ -43,6 +44,16 @@ void ContactProjection::note_contact_forces(Candidate& candidate) {
   std::copy_n(lasting_forces.begin(), search_.own(), candidate.contact_force.begin());
   std::copy_n(all_forces.begin(), search_.own(), candidate.pressing.begin());
   cloth_.mesh.vertex_halo.update(candidate.contact_force);
+}
+
+/// For the next step.
+ContactMemory ContactProjection::pressed_contacts() const {
+  ContactMemory pressed;
+  pressed.reserve(contacts_.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (touches_[k]->pressed.normal > 0)
+      pressed.emplace_hint(pressed.end(), contacts_[k].key, entry_of(*touches_[k]));
+  return pressed;
 }
 
 void ContactProjection::make_rows() {

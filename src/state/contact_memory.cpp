@@ -15,6 +15,15 @@ int home_of(const DistributedMesh& mesh, const ContactKey& key) {
   return slab_rank(mesh.vertices.total, size_of(mesh.comm), lowest_vertex(key));
 }
 
+/// What items hold of one contact adds up, in the order they have.
+ContactMemory added_up(std::vector<Item> items) {
+  std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+  ContactMemory memory;
+  memory.reserve(items.size());
+  for (const Item& item : items) memory[item.key] += item.entry;
+  return memory;
+}
+
 } // namespace
 
 Pressed& Pressed::operator+=(const Pressed& other) {
@@ -43,9 +52,7 @@ ContactMemory bring_home(const DistributedMesh& mesh, const ContactMemory& entri
     sent.push_back({key, entry});
     homes.push_back(home_of(mesh, key));
   }
-  ContactMemory at_home;
-  for (const Item& item : exchange(mesh.comm, sent, homes).items) at_home[item.key] += item.entry;
-  return at_home;
+  return added_up(exchange(mesh.comm, sent, homes).items);
 }
 
 ContactMemory hand_out(const DistributedMesh& mesh, ContactMemory& at_home,
@@ -53,21 +60,23 @@ ContactMemory hand_out(const DistributedMesh& mesh, ContactMemory& at_home,
   std::vector<int> homes, askers;
   for (const ContactKey& key : keys) homes.push_back(home_of(mesh, key));
   const auto asked = exchange(mesh.comm, keys, homes);
-  std::map<ContactKey, int> demand;
-  for (const ContactKey& key : asked.items) ++demand[key];
+  std::vector<ContactKey> demand = asked.items;
+  std::sort(demand.begin(), demand.end());
   std::vector<Item> answers;
   for (int r = 0; r < size_of(mesh.comm); ++r)
     for (Global i = asked.offsets[r]; i < asked.offsets[r + 1]; ++i) {
       const ContactKey& key = asked.items[i];
       const auto found = at_home.find(key);
       if (found == at_home.end()) continue;
-      answers.push_back({key, found->second.scaled(1.0 / demand[key])});
+      const auto [first, last] = std::equal_range(demand.begin(), demand.end(), key);
+      answers.push_back({key, found->second.scaled(1.0 / double(last - first))});
       askers.push_back(r);
     }
-  for (const ContactKey& key : asked.items) at_home.erase(key);
-  ContactMemory mine;
-  for (const Item& item : exchange(mesh.comm, answers, askers).items) mine.emplace(item.key, item.entry);
-  return mine;
+  const auto is_handed_out = [&](const auto& entry) {
+    return std::binary_search(demand.begin(), demand.end(), entry.first);
+  };
+  at_home.erase(std::remove_if(at_home.begin(), at_home.end(), is_handed_out), at_home.end());
+  return added_up(exchange(mesh.comm, answers, askers).items);
 }
 
 } // namespace taut

@@ -1,8 +1,9 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
 
+#include <boost/container/flat_map.hpp>
+
 #include <array>
-#include <map>
 
 /// What contacts did in the last step. An entry is known by the original numbers of its vertices and lives on
 /// one rank, its *home*: the one whose slab of the vertices, in input order, holds the lowest of them. So
@@ -31,7 +32,7 @@ struct ContactEntry {
   ContactEntry scaled(double factor) const { return {pressed.scaled(factor), carried.scaled(factor)}; }
   ContactEntry& operator+=(const ContactEntry& other);
 };
-using ContactMemory = std::map<ContactKey, ContactEntry>;
+using ContactMemory = boost::container::flat_map<ContactKey, ContactEntry>;
 
 /// The lowest number of its vertices, which is of the cloth; -1 if it names none.
 Global lowest_vertex(const ContactKey& key);
