@@ -14,7 +14,11 @@ namespace taut {
 
 namespace {
 
-constexpr int most_products = 40;   ///< in one program; what is left waits for the next iteration
+/// In one program; what is left waits for the next iteration. While the largest strain is `far` limits, the
+/// edges' curvature leaves more of it than so few products do.
+constexpr int most_products = 40, most_products_far = 20;
+constexpr double far = 10.0;
+
 constexpr double strain_left = 0.2; ///< of the limit, by a program
 constexpr double slack = 1.0; ///< of the thickness: how far a target may stray before a search is extended
 constexpr int patience = 6;   ///< iterations until stuck vertices are let go
@@ -162,9 +166,9 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
     gradient_[e] = (2.0 / l) * d;
     if (!mesh.owns_edge(e)) continue;
     const double length = d.norm();
-    // |d|^2 / l - l, but under contact an edge that is too short asks for no more than its missing length
-    const double value =
-        length > l || contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
+    // |d|^2 / l - l [G07]; under contact what moves the edge to its length if it keeps its direction, which
+    // leaves only the turning of edges to further iterations
+    const double value = contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
     residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - shift_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
@@ -190,7 +194,8 @@ void ContactProjection::project(double strain, FilterReport& report) {
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
     const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
-    report.linear_iterations += qp_.solve(edges, contacts_, rows_, most_products).products;
+    const int products = strain > far * limits_.strain ? most_products_far : most_products;
+    report.linear_iterations += qp_.solve(edges, contacts_, rows_, products).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];
     std::copy(qp_.edge_part().begin(), qp_.edge_part().end(), change_.begin());
