@@ -11,6 +11,10 @@ namespace taut {
 
 namespace {
 
+/// In a flat grid of squares a vertex is 0.71 edges from the diagonal across, and more rows than edges would
+/// hold apart what cannot meet.
+constexpr double near_edges = 0.6;
+
 /// Of the edges of a piece, over all ranks.
 struct Edges {
   double shortest, mean; ///< m
@@ -29,9 +33,8 @@ Edges edges_of(const Cloth& cloth, std::size_t piece) {
   return {-max_over(cloth.mesh.comm, -shortest), sums[0] / std::max(1.0, sums[1])};
 }
 
-double thickness_of(const Cloth& cloth, const Case& input, std::size_t k) {
+double thickness_of(const Case& input, std::size_t k, const Edges& edges) {
   const config::Contact contact = input.contact.value_or(config::Contact{});
-  const Edges edges = edges_of(cloth, k);
   const auto& own = input.cloths[k].thickness;
   const double thickness = own ? *own : contact.thickness.value_or(0.1 * edges.mean);
   const double most = 0.5 * edges.shortest;
@@ -47,9 +50,20 @@ double thickness_of(const Cloth& cloth, const Case& input, std::size_t k) {
 } // namespace
 
 Thickness::Thickness(const Cloth& cloth, const Case& input) : cloth_(cloth) {
-  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) of_piece_.push_back(thickness_of(cloth, input, k));
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
+    const Edges edges = edges_of(cloth, k);
+    of_piece_.push_back(thickness_of(input, k, edges));
+    own_near_.push_back(std::min(near_thicknesses * of_piece_[k], near_edges * edges.shortest));
+  }
   largest_ = *std::max_element(of_piece_.begin(), of_piece_.end());
   smallest_ = *std::min_element(of_piece_.begin(), of_piece_.end());
+}
+
+double Thickness::near(const Pair& pair, std::span<const Global> keys) const {
+  const double twice = near_thicknesses * of(pair, keys);
+  if (pair.body >= 0) return twice;
+  const std::size_t piece = cloth_.piece_of_original(keys[pair.vertices[0]]);
+  return piece == cloth_.piece_of_original(keys[pair.vertices[3]]) ? own_near_[piece] : twice;
 }
 
 double Thickness::of_features(Global first, Global second) const {

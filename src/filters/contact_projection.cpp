@@ -63,7 +63,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   begin(start, dt, freedom, candidate);
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
-    search_.find(motion(), near * thickness_.largest(), slack * thickness_.largest());
+    search_.find(motion(), thickness_.largest_near(), slack * thickness_.largest());
     take_pairs();
   });
   for (iteration_ = 1;; ++iteration_) {

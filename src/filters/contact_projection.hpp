@@ -43,8 +43,6 @@ public:
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
-  static constexpr double near = 2.0; ///< thicknesses: what is or comes nearer is a contact
-
   /// What presses and rubs between two features.
   struct Touch {
     Pressed pressed;               ///< kg m, by the step's programs and what is carried

@@ -95,7 +95,7 @@ double ContactProjection::gap_ahead(const Pair& pair, const Approach& here) cons
 void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
   const double thickness = thickness_.of(pair, search_.keys());
   const double gap = gap_ahead(pair, here);
-  const bool is_near = std::min(gap, here.gap) < near * thickness;
+  const bool is_near = std::min(gap, here.gap) < thickness_.near(pair, search_.keys());
   if (!is_near && blocked_.empty()) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
