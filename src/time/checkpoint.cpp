@@ -141,12 +141,12 @@ public:
     const Slab rows = slab_of(file_.rows(keys_name), size_of(mesh_.comm), rank_of(mesh_.comm));
     const std::vector<ContactKey> keys = read_keys(keys_name, rows);
     const auto forces = read_rows<std::array<double, 8>>(name + "/forces", rows);
-    ContactMemory read;
+    std::vector<ContactMemory::value_type> read; // in the order of whichever ranks wrote them
     for (std::size_t i = 0; i < keys.size(); ++i) {
       const auto& f = forces[i];
-      read[keys[i]] = {{f[0], Vec3(f[1], f[2], f[3])}, {f[4], Vec3(f[5], f[6], f[7])}};
+      read.push_back({keys[i], {{f[0], Vec3(f[1], f[2], f[3])}, {f[4], Vec3(f[5], f[6], f[7])}}});
     }
-    contacts = bring_home(mesh_, read);
+    contacts = bring_home(mesh_, ContactMemory(read.begin(), read.end()));
   }
 
 private:
