@@ -189,22 +189,25 @@ struct Features {
   }
 };
 
+/// Whether a pair comes within `reach` somewhere on the way from x to y.
+bool comes_near(const Pair& pair, const Four& x, const Four& y, double reach) {
+  Four u;
+  for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
+  for (int k = 0; k <= 50; ++k)
+    if (approach(pair, moved(x, u, k / 50.0)).gap < reach) return true;
+  return false;
+}
+
 /// Expects every pair of features of the cloth that comes within `reach` on the way to be among `found`;
 /// returns how many do. Positions of all vertices, in input order.
 int expect_what_comes_near(std::span<const Vec3> from, std::span<const Vec3> to, double reach,
                            const std::multiset<Name>& found) {
-  const auto comes_near = [&](const Pair& pair, const std::array<Global, 4>& v) {
-    const Four x{from[v[0]], from[v[1]], from[v[2]], from[v[3]]}, y{to[v[0]], to[v[1]], to[v[2]], to[v[3]]};
-    Four u;
-    for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
-    for (int k = 0; k <= 50; ++k)
-      if (approach(pair, moved(x, u, k / 50.0)).gap < reach) return true;
-    return false;
-  };
   const Features features;
   int expected = 0;
   const auto expect = [&](const Pair& pair, const std::array<Global, 4>& v) {
-    if (!comes_near(pair, v)) return;
+    if (!comes_near(pair, {from[v[0]], from[v[1]], from[v[2]], from[v[3]]},
+                    {to[v[0]], to[v[1]], to[v[2]], to[v[3]]}, reach))
+      return;
     ++expected;
     const Pair by_key{{0, 1, 2, 3}, pair.kind, -1, 0, Vec3::Zero()};
     EXPECT_EQ(found.count(name_of(by_key, v)), 1u);
@@ -263,6 +266,57 @@ TEST(ContactSearch, FollowsWhereverTheTargetStrays) {
       search.follow({part.from, there, part.bodies, part.bodies});
       EXPECT_EQ(everybodys_pairs(part.cloth, search), found);
     }
+  });
+}
+
+/// Steps of one run: small ones and a large one, a fall of all, one step done again, a start elsewhere.
+TEST(ContactSearch, KeepsWhatItKnowsFromStepToStep) {
+  constexpr double reach = 0.01, slack = 0.01;
+  on_odd_partitions(crumpled_mesh, [&](DistributedMesh mesh) {
+    Crumpled part(std::move(mesh), 7);
+    const std::vector<Global>& vertices = part.cloth.mesh.vertices.original;
+    ContactSearch search(part.cloth, part.obstacles);
+    ElementSearch elements(part.cloth, part.obstacles);
+    int kept = 0;
+    const auto expect_all = [&](std::span<const Vec3> from, std::span<const Vec3> to) {
+      const Motion motion{from, to, part.bodies, part.bodies};
+      search.find(motion, reach, slack);
+      const auto found = everybodys_pairs(part.cloth, search);
+      EXPECT_EQ(std::set<Name>(found.begin(), found.end()).size(), found.size()); // each once
+      EXPECT_GT(expect_what_comes_near(in_input_order(part.cloth, from), in_input_order(part.cloth, to),
+                                       reach, found),
+                100);
+      ContactSearch anew(part.cloth, part.obstacles);
+      anew.find(motion, reach, slack);
+      std::vector<Vec3> x, y;
+      anew.gather(from, part.bodies, x);
+      anew.gather(to, part.bodies, y);
+      for (const Pair& p : anew.pairs())
+        if (comes_near(p, at(p, x), at(p, y), reach)) {
+          EXPECT_EQ(found.count(name_of(p, anew.keys())), 1u);
+        }
+      kept += elements.find(motion, reach, slack) ? 0 : 1;
+    };
+    unsigned seed = 20;
+    for (const auto& [length, fall] : {std::pair{0.001, 0.0},
+                                       {0.001, 0.0},
+                                       {0.001, 0.2},
+                                       {0.004, 0.0},
+                                       {0.05, 0.0},
+                                       {0.002, 0.0},
+                                       {0.004, 0.0},
+                                       {0.004, 0.0}}) {
+      const auto motion = random_vectors(56, length, ++seed);
+      std::vector<Vec3> to = part.from;
+      for (std::size_t i = 0; i < to.size(); ++i) to[i] += motion[vertices[i]] - fall * Vec3::UnitZ();
+      expect_all(part.from, to);
+      if (length == 0.004) // halved
+        for (std::size_t i = 0; i < to.size(); ++i) to[i] = 0.5 * (part.from[i] + to[i]);
+      expect_all(part.from, to);
+      part.from = to;
+    }
+    EXPECT_GT(kept, 5);
+    EXPECT_LT(kept, 16);
   });
 }
 

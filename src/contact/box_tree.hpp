@@ -16,11 +16,10 @@ struct Box {
   std::array<float, 3> low{HUGE_VALF, HUGE_VALF, HUGE_VALF};
   std::array<float, 3> high{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
 
-  /// Grows to hold the ball of radius `r` about `p`.
-  void include(const Vec3& p, double r) {
+  void include(const Vec3& p) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], below(p[k] - r));
-      high[k] = std::max(high[k], -below(-p[k] - r));
+      low[k] = std::min(low[k], below(p[k]));
+      high[k] = std::max(high[k], -below(-p[k]));
     }
   }
   void include(const Box& other) {
@@ -35,6 +34,11 @@ struct Box {
       low[k] = below(low[k] - r);
       high[k] = -below(-high[k] - r);
     }
+  }
+  bool contains(const Box& other) const {
+    for (int k = 0; k < 3; ++k)
+      if (other.low[k] < low[k] || other.high[k] > high[k]) return false;
+    return true;
   }
   bool overlaps(const Box& other) const {
     for (int k = 0; k < 3; ++k)

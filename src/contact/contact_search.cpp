@@ -106,44 +106,42 @@ ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
 
 void ContactSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach;
-  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
-  near_ = {};
+  if (elements_.find(motion, reach, slack)) near_ = {};
+  near_.found.clear();
+  for (std::size_t k = 0; k < near_.held.size(); ++k)
+    if (std::exchange(near_.held[k], 0) != 0) near_.spare[k] = 0;
   plane_held_.assign(obstacles_.planes().size() * own_, false);
-  elements_.find(motion, reach, slack);
-  look(std::vector<double>(ends_.size(), 0.0));
+  look();
   place_in_fields();
 }
 
-/// What was to spare is less by what the elements have strayed.
 bool ContactSearch::follow(const Motion& motion) {
-  const std::vector<double> strayed = distances(ends_, motion.cloth_to);
-  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
   elements_.follow(motion);
   const std::size_t before = near_.found.size();
   const bool was_across = !across_.found.empty();
-  look(strayed);
+  look();
   const bool is_other = near_.found.size() > before || was_across || !across_.found.empty();
   if (!any_of(cloth_.mesh.comm, is_other)) return false;
   place_in_fields();
   return true;
 }
 
-void ContactSearch::look(std::span<const double> strayed) {
+/// What was to spare between elements of this rank is less by what they have strayed.
+void ContactSearch::look() {
+  const auto pairs = elements_.pairs();
+  near_.spare.resize(pairs.size(), 0.0);
+  for (std::size_t k = 0; k < pairs.size(); ++k) near_.spare[k] -= elements_.strayed(pairs[k]);
+  look_at(pairs, near_);
   across_ = {};
-  const std::vector<double> of_elements = elements_.largest(strayed);
-  look_at(elements_.pairs(), of_elements, near_);
-  look_at(elements_.pairs_across(), of_elements, across_);
+  look_at(elements_.pairs_across(), across_);
   look_at_planes();
 }
 
-void ContactSearch::look_at(std::span<const BoxPair> pairs, std::span<const double> strayed,
-                            Near& near) const {
+void ContactSearch::look_at(std::span<const BoxPair> pairs, Near& near) const {
   near.spare.resize(pairs.size(), 0.0);
   near.held.resize(pairs.size(), 0);
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    near.spare[k] -= strayed[pairs[k].first] + strayed[pairs[k].second];
+  for (std::size_t k = 0; k < pairs.size(); ++k)
     if (near.spare[k] <= 0) near.spare[k] = meet(pairs[k], near.held[k], near.found);
-  }
 }
 
 /// Keeps the pairs of features of two elements that come within reach, if it does not hold them yet; returns

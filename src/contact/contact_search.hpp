@@ -57,8 +57,8 @@ private:
     std::vector<Pair> found;         ///< their vertices are places in the fields of `elements_`
   };
 
-  void look(std::span<const double> strayed);
-  void look_at(std::span<const BoxPair> pairs, std::span<const double> strayed, Near& near) const;
+  void look();
+  void look_at(std::span<const BoxPair> pairs, Near& near) const;
   double meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const;
   double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;
   void look_at_planes();
@@ -69,7 +69,6 @@ private:
   ElementSearch elements_;
   Local own_, obstacle_count_;
   double reach_ = 0;
-  std::vector<Vec3> ends_;       ///< m, where the motion takes the cloth
   Near near_, across_;           ///< of this rank, and with elements of others
   std::vector<bool> plane_held_; ///< for every plane and own vertex
   std::vector<Pair> pairs_;      ///< all found, as places in contact fields

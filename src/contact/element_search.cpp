@@ -1,15 +1,16 @@
 #include "src/contact/element_search.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <iterator>
 #include <numeric>
+#include <utility>
 
 namespace taut {
 
 namespace {
 
 constexpr int blocks_per_rank = 32;
-constexpr double ample = 1.5; ///< of what its vertices strayed: the new slack of an element
+constexpr double most_grown = 0.2; ///< of all elements, until the boxes of all are made anew
 
 /// Of two ranks, whether `rank` sends its elements to `other` and leaves the search to it; evenly shared.
 bool sends_to(int rank, int other) { return ((rank + other) % 2 == 0) == (rank < other) && rank != other; }
@@ -35,12 +36,6 @@ Box around(std::span<const Box> boxes) {
 
 } // namespace
 
-std::vector<double> distances(std::span<const Vec3> was, std::span<const Vec3> is) {
-  std::vector<double> distance(was.size());
-  for (std::size_t i = 0; i < was.size(); ++i) distance[i] = (is[i] - was[i]).norm();
-  return distance;
-}
-
 ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     : cloth_(cloth), obstacles_(obstacles) {
   const DistributedMesh& mesh = cloth.mesh;
@@ -64,62 +59,75 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     auto& keys = keys_.emplace_back();
     for (int k = 0; k < e.corners; ++k) keys[k] = known_[e.vertices[k]].key;
   }
+  ends_.assign(known_.size(), Vec3::Zero());
+  strays_.resize(known_elements_);
 }
 
-void ElementSearch::find(const Motion& motion, double reach, double slack) {
+bool ElementSearch::find(const Motion& motion, double reach, double slack) {
+  const bool is_other = boxes_.empty() || reach != reach_ || slack != slack_;
   reach_ = reach;
-  take_positions(motion);
-  ends_.assign(motion.cloth_to.begin(), motion.cloth_to.end());
-  slack_.assign(own_, slack);
-  boxes_.clear();
-  for (Local i = 0; i < known_elements_; ++i) boxes_.push_back(box_around(i));
-  own_tree_.build({boxes_.begin(), boxes_.begin() + own_});
-  obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
-  grown_.clear();
-  is_grown_.assign(own_, false);
-  pairs_ = own_tree_.pairs();
-  for (const auto& [i, j] : own_tree_.pairs_with(obstacle_tree_)) pairs_.emplace_back(i, own_ + j);
+  slack_ = slack;
+  const std::vector<Vec3> were = take_positions(motion);
+  note_strays(were);
+  for (Local i = 0; i < known_elements_; ++i) strays_[i].spread += start_astray(elements_[i], were);
+  std::vector<Local> grown;
+  if (!is_other) grown = outgrown();
+  const bool is_anew = is_other || double(grown_.size() + grown.size()) > most_grown * known_elements_;
+  if (is_anew)
+    begin();
+  else
+    extend(grown);
   find_across();
+  return is_anew;
 }
 
 void ElementSearch::follow(const Motion& motion) {
-  take_positions(motion);
-  extend(motion.cloth_to);
+  note_strays(take_positions(motion));
+  extend(outgrown());
   find_across();
 }
 
-/// A pair is new where the boxes overlap and those before did not.
-void ElementSearch::extend(std::span<const Vec3> cloth_to) {
-  const std::vector<double> wanted = largest(distances(ends_, cloth_to));
-  if (std::equal(slack_.begin(), slack_.end(), wanted.begin(), std::greater_equal())) return;
-  const std::vector<Box> before(boxes_.begin(), boxes_.begin() + own_);
-  const std::vector<Local> grown = grow(wanted);
-  std::vector<bool> grew(own_, false);
-  for (const Local i : grown) grew[i] = true;
-  const BoxTree of_grown = tree_of_grown(grown);
-  for (const auto& [g, j] : of_grown.pairs_with(own_tree_))
-    if (!is_grown_[j] && !before[grown[g]].overlaps(boxes_[j])) pairs_.push_back(std::minmax(grown[g], j));
-  for (const auto& [g, h] : of_grown.pairs_with(tree_of_grown(grown_))) {
-    const Local i = grown[g], j = grown_[h];
-    const bool is_other = grew[j] ? i < j : i != j; // two that grew now meet twice
-    if (is_other && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
-  }
-  for (const auto& [g, j] : of_grown.pairs_with(obstacle_tree_))
-    if (!before[grown[g]].overlaps(boxes_[own_ + j])) pairs_.emplace_back(grown[g], own_ + j);
+void ElementSearch::begin() {
+  boxes_.clear();
+  for (Local i = 0; i < known_elements_; ++i) boxes_.push_back(box_around(i, slack_));
+  own_tree_.build({boxes_.begin(), boxes_.begin() + own_});
+  obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
+  grown_.clear();
+  is_grown_.assign(known_elements_, false);
+  pairs_ = own_tree_.pairs();
+  for (const auto& [i, j] : own_tree_.pairs_with(obstacle_tree_)) pairs_.emplace_back(i, own_ + j);
 }
 
-/// Gives the elements that want more slack than they have more than they want; returns which.
-std::vector<Local> ElementSearch::grow(std::span<const double> wanted) {
-  std::vector<Local> grown;
-  for (Local i = 0; i < own_; ++i) {
-    if (wanted[i] <= slack_[i]) continue;
-    boxes_[i].inflate(ample * wanted[i] - slack_[i]);
-    slack_[i] = ample * wanted[i];
-    grown.push_back(i);
-    if (!is_grown_[i]) grown_.push_back(i);
+/// The elements that leave their boxes.
+std::vector<Local> ElementSearch::outgrown() const {
+  std::vector<Local> elements;
+  for (Local i = 0; i < known_elements_; ++i)
+    if (!boxes_[i].contains(box_around(i, 0.0))) elements.push_back(i);
+  return elements;
+}
+
+/// Makes boxes grow. A pair is new where the boxes overlap and those before did not.
+void ElementSearch::extend(const std::vector<Local>& grown) {
+  if (grown.empty()) return;
+  const std::vector<Box> before(boxes_.begin(), boxes_.begin() + known_elements_);
+  std::vector<Local> earlier;
+  std::set_difference(grown_.begin(), grown_.end(), grown.begin(), grown.end(), std::back_inserter(earlier));
+  for (const Local i : grown) {
+    boxes_[i].include(box_around(i, slack_));
     is_grown_[i] = true;
   }
-  return grown;
+  grown_.clear();
+  std::merge(earlier.begin(), earlier.end(), grown.begin(), grown.end(), std::back_inserter(grown_));
+  const auto add = [&](Local i, Local j) {
+    if (std::min(i, j) < own_ && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
+  };
+  const BoxTree of_grown = tree_of(boxes_at(grown));
+  for (const auto& [g, h] : of_grown.pairs()) add(grown[g], grown[h]);
+  for (const auto& [g, h] : of_grown.pairs_with(tree_of(boxes_at(earlier)))) add(grown[g], earlier[h]);
+  for (const auto& [g, j] : of_grown.pairs_with(own_tree_))
+    if (!is_grown_[j]) add(grown[g], j);
+  for (const auto& [g, j] : of_grown.pairs_with(obstacle_tree_))
+    if (!is_grown_[own_ + j]) add(grown[g], own_ + j);
 }
 
 /// Whatever other ranks had sent before is forgotten.
@@ -135,51 +143,79 @@ void ElementSearch::find_across() {
   const BoxTree received = tree_of({boxes_.begin() + known_elements_, boxes_.end()});
   for (const auto& [i, j] : own_tree_.pairs_with(received))
     if (!is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
-  for (const auto& [g, j] : tree_of_grown(grown_).pairs_with(received))
-    pairs_across_.emplace_back(grown_[g], known_elements_ + j);
+  std::vector<Local> grown; // of the cloth
+  std::copy_if(grown_.begin(), grown_.end(), std::back_inserter(grown), [&](Local i) { return i < own_; });
+  for (const auto& [g, j] : tree_of(boxes_at(grown)).pairs_with(received))
+    pairs_across_.emplace_back(grown[g], known_elements_ + j);
 }
 
-std::vector<double> ElementSearch::largest(std::span<const double> cloth) const {
-  std::vector<double> most(elements_.size(), 0.0);
-  for (Local i = 0; i < own_; ++i)
-    for (int k = 0; k < elements_[i].corners; ++k)
-      most[i] = std::max(most[i], cloth[elements_[i].vertices[k]]);
-  return most;
-}
-
-/// Positions and displacements of the known vertices. What all have in common does not bring anything
-/// together: the mean motion is taken out.
-void ElementSearch::take_positions(const Motion& m) {
-  vertices_ = known_;
-  x_.assign(m.cloth_from.begin(), m.cloth_from.end());
-  x_.insert(x_.end(), m.obstacles_from.begin(), m.obstacles_from.end());
-  std::array<double, 3> sum{};
-  u_.clear();
-  for (std::size_t i = 0; i < m.cloth_from.size(); ++i) u_.emplace_back(m.cloth_to[i] - m.cloth_from[i]);
-  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-    for (int k = 0; k < 3; ++k) sum[k] += u_[i][k];
+/// Positions and displacements of the known vertices; returns where the motion before took them. What all
+/// have in common does not bring anything together: the mean of the cloth is taken out.
+std::vector<Vec3> ElementSearch::take_positions(const Motion& m) {
+  const Local owned = cloth_.mesh.vertices.owned;
+  std::array<double, 6> sum{};
+  for (Local i = 0; i < owned; ++i)
+    for (int k = 0; k < 3; ++k) {
+      sum[k] += m.cloth_from[i][k];
+      sum[3 + k] += m.cloth_to[i][k];
+    }
   sum_in_place(cloth_.mesh.comm, sum);
-  for (std::size_t i = 0; i < m.obstacles_from.size(); ++i)
-    u_.emplace_back(m.obstacles_to[i] - m.obstacles_from[i]);
-  const Vec3 mean = Vec3(sum[0], sum[1], sum[2]) / double(cloth_.mesh.vertices.total);
-  for (Vec3& u : u_) u -= mean;
+  const double all = double(cloth_.mesh.vertices.total);
+  const Vec3 from = Vec3(sum[0], sum[1], sum[2]) / all, to = Vec3(sum[3], sum[4], sum[5]) / all;
+  vertices_ = known_;
+  x_.clear();
+  u_.clear();
+  swept_.clear();
+  std::vector<Vec3> were = std::exchange(ends_, {});
+  const auto add = [&](std::span<const Vec3> starts, std::span<const Vec3> ends) {
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      const Vec3 start = starts[i] - from, end = ends[i] - to;
+      x_.push_back(starts[i]);
+      u_.emplace_back(end - start);
+      ends_.push_back(end);
+      swept_.emplace_back();
+      swept_.back().include(start);
+      swept_.back().include(end);
+    }
+  };
+  add(m.cloth_from, m.cloth_to);
+  add(m.obstacles_from, m.obstacles_to);
+  return were;
 }
 
-Box ElementSearch::box_around(Local element) const {
-  const Element& e = elements_[element];
-  const double radius = 0.5 * reach_ + (e.body < 0 ? slack_[element] : obstacles_.body(e.body).radius);
-  Box box;
-  for (int k = 0; k < e.corners; ++k) {
-    box.include(x_[e.vertices[k]], radius);
-    box.include(x_[e.vertices[k]] + u_[e.vertices[k]], radius);
+/// How far the elements' ends are from where they were.
+void ElementSearch::note_strays(std::span<const Vec3> were) {
+  for (Local i = 0; i < known_elements_; ++i) {
+    const Element& e = elements_[i];
+    Stray stray{Vec3::Zero(), 0};
+    for (int k = 0; k < e.corners; ++k) stray.by += (ends_[e.vertices[k]] - were[e.vertices[k]]) / e.corners;
+    for (int k = 0; k < e.corners; ++k)
+      stray.spread = std::max(stray.spread, (ends_[e.vertices[k]] - were[e.vertices[k]] - stray.by).norm());
+    strays_[i] = stray;
   }
+}
+
+/// m, how far an element starts from where it was.
+double ElementSearch::start_astray(const Element& e, std::span<const Vec3> were) const {
+  double farthest = 0;
+  for (int k = 0; k < e.corners; ++k)
+    farthest = std::max(farthest, (ends_[e.vertices[k]] - u_[e.vertices[k]] - were[e.vertices[k]]).norm());
+  return farthest;
+}
+
+Box ElementSearch::box_around(Local element, double slack) const {
+  const Element& e = elements_[element];
+  const double radius = 0.5 * reach_ + slack + (e.body < 0 ? 0.0 : obstacles_.body(e.body).radius);
+  Box box;
+  for (int k = 0; k < e.corners; ++k) box.include(swept_[e.vertices[k]]);
+  box.inflate(radius);
   return box;
 }
 
-BoxTree ElementSearch::tree_of_grown(std::span<const Local> elements) const {
+std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const {
   std::vector<Box> boxes;
   for (const Local i : elements) boxes.push_back(boxes_[i]);
-  return tree_of(std::move(boxes));
+  return boxes;
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {

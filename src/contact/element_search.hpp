@@ -11,9 +11,6 @@ struct Motion {
   std::span<const Vec3> obstacles_from, obstacles_to; ///< m
 };
 
-/// m, how far each point is from where it was.
-std::vector<double> distances(std::span<const Vec3> was, std::span<const Vec3> is);
-
 /// A vertex of cloth or of an obstacle as all ranks know it.
 struct SurfaceVertex {
   int owner;   ///< rank; obstacles belong to every rank
@@ -31,12 +28,20 @@ public:
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
   /// straight lines, to where the motion ends or, of cloth, anywhere within `slack` (m) of that, by boxes
-  /// around them: a superset. Collective.
-  void find(const Motion& motion, double reach, double slack);
+  /// around them: a superset. Any motion will do, but where boxes around the ones before hold this one too,
+  /// their pairs are kept [BW98 section 6, coherency]. True if all pairs of this rank are new. Collective.
+  bool find(const Motion& motion, double reach, double slack);
 
   /// The motion starts somewhere on the way of the one before, and ends elsewhere. Appends to the pairs what
-  /// is near where vertices left their slack, and makes those across ranks anew. Collective.
+  /// is near where elements left their boxes, and makes those across ranks anew. Collective.
   void follow(const Motion& motion);
+
+  /// m by which two elements of this rank came nearer to each other by the last change of the motion, at
+  /// most.
+  double strayed(const BoxPair& pair) const {
+    const Stray &a = strays_[pair.first], &b = strays_[pair.second];
+    return (a.by - b.by).norm() + a.spread + b.spread;
+  }
 
   /// The pairs of elements of this rank's cloth with each other and with obstacles; the first is cloth.
   std::span<const BoxPair> pairs() const { return pairs_; }
@@ -65,10 +70,6 @@ public:
     return (balls_[pair.first].centre - balls_[pair.second].centre).normalized();
   }
 
-  /// Of every element the largest of its vertices' values (of local cloth vertices); 0 if it is not cloth of
-  /// this rank.
-  std::vector<double> largest(std::span<const double> cloth) const;
-
   /// Of local cloth vertices, then of obstacles, then of what came from other ranks.
   std::span<const SurfaceVertex> vertices() const { return vertices_; }
   std::span<const Vec3> positions() const { return x_; } ///< m
@@ -89,12 +90,21 @@ private:
     double thickness;    ///< m, the radius of an obstacle
   };
 
-  void take_positions(const Motion& motion);
-  void extend(std::span<const Vec3> cloth_to);
-  std::vector<Local> grow(std::span<const double> wanted);
+  /// How far the vertices' ends are from where they were.
+  struct Stray {
+    Vec3 by;       ///< m, their mean
+    double spread; ///< m that the vertices differ from it at most
+  };
+
+  std::vector<Vec3> take_positions(const Motion& motion);
+  void note_strays(std::span<const Vec3> were);
+  double start_astray(const Element& element, std::span<const Vec3> were) const;
+  void begin();
+  std::vector<Local> outgrown() const;
+  void extend(const std::vector<Local>& grown);
   Ball ball_around(const Element& element) const;
-  Box box_around(Local element) const;
-  BoxTree tree_of_grown(std::span<const Local> elements) const;
+  Box box_around(Local element, double slack) const;
+  std::vector<Box> boxes_at(std::span<const Local> elements) const;
   void find_across();
   void receive_elements();
   void append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const;
@@ -104,17 +114,19 @@ private:
   std::vector<SurfaceVertex> known_; ///< the part of `vertices_` that stays
   std::vector<SurfaceVertex> vertices_;
   std::vector<Vec3> x_, u_;
-  std::vector<Vec3> ends_;    ///< m, of local vertices; boxes and slack are around them
-  std::vector<double> slack_; ///< m, of elements of this rank's cloth
-  double reach_ = 0;
+  std::vector<Vec3>
+      ends_; ///< m, of the vertices known here; in a frame that moves like the cloth on the mean
+  std::vector<Box> swept_; ///< by them, in that frame
+  double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   std::vector<std::array<Global, 3>> keys_;
   Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
-  std::vector<Box> boxes_;           ///< in a frame that moves like the cloth on the mean
-  BoxTree own_tree_, obstacle_tree_; ///< as the boxes were when the search began
-  std::vector<Local> grown_;         ///< elements whose boxes have grown since
-  std::vector<bool> is_grown_;       ///< of this rank's cloth
+  std::vector<Box> boxes_;           ///< in that frame
+  BoxTree own_tree_, obstacle_tree_; ///< as the boxes were made
+  std::vector<Local> grown_;         ///< elements whose boxes have grown since, in order
+  std::vector<bool> is_grown_;
   std::vector<Ball> balls_;
+  std::vector<Stray> strays_; ///< of what is known
   std::vector<BoxPair> pairs_, pairs_across_;
 };
 
