@@ -65,6 +65,7 @@ private:
   void make_rows();
   void recall_contacts();
   void find_contacts();
+  void leave_each_once();
   double gap_ahead(const Pair& pair, const Approach& here) const;
   void add_contact(const Pair& pair, const Approach& here);
   void add_corners(const Pair& pair, const Approach& here);

@@ -75,12 +75,19 @@ void ContactProjection::find_contacts() {
     const bool is_round = pair.body >= 0 && obstacles_.body(pair.body).is_round;
     if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, approaches_[k]);
   }
-  // several pairs may have found the same contact
-  std::sort(contacts_.begin(), contacts_.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
-  contacts_.erase(std::unique(contacts_.begin(), contacts_.end(),
-                              [](const auto& a, const auto& b) { return a.key == b.key; }),
-                  contacts_.end());
+  leave_each_once();
   contact_count_ = sum_over(comm_, Global(contacts_.size()));
+}
+
+/// Several pairs may have found the same contact.
+void ContactProjection::leave_each_once() {
+  std::vector<std::pair<ContactKey, std::size_t>> order;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) order.emplace_back(contacts_[k].key, k);
+  std::sort(order.begin(), order.end());
+  std::vector<Contact> once;
+  for (const auto& [key, k] : order)
+    if (once.empty() || once.back().key != key) once.push_back(contacts_[k]);
+  contacts_ = std::move(once);
 }
 
 /// The gap at the target, as far as the features keep their direction.

@@ -13,7 +13,7 @@ using Array = Eigen::ArrayXd;
 std::span<const double> view(const Array& a) { return {a.data(), std::size_t(a.size())}; }
 std::span<double> view(Array& a) { return {a.data(), std::size_t(a.size())}; }
 
-/// The state of an iteration. Directions and displacements are what is taken from z. Entries without bounds
+/// The state of an iteration. Directions and proposals are what is taken from z. Entries without bounds
 /// come first and are kept out of the loops over bounds, which cost more than the rest.
 class ProjectedGradients {
 public:
@@ -99,13 +99,12 @@ private:
     double part = best;
     if (sums[2] > 0 && best > 0.6) part = 1.0;
     if (sums[2] == 0 && best > 1.0) part = std::min(best, farthest());
-    moved_ *= part;
-    a_moved_ *= part;
-    curvature_ = part * part * sums[0];
-    z_ -= moved_;
-    double* bounded = z_.data() + free_;
-    for (Eigen::Index i = 0; i < bounded_; ++i) bounded[i] = clamped(i, bounded[i]);
-    gradient_ -= a_moved_;
+    curvature_ = sums[0];
+    z_.head(free_) -= part * moved_.head(free_);
+    double* z = z_.data() + free_;
+    const double* moved = moved_.data() + free_;
+    for (Eigen::Index i = 0; i < bounded_; ++i) z[i] = clamped(i, z[i] - part * moved[i]);
+    gradient_ -= part * a_moved_;
     length_ *= std::clamp(best, 0.1, 10.0);
     return true;
   }
@@ -119,7 +118,7 @@ private:
     if (!report_.solved) qp_.precondition(view(std::as_const(slope_)), view(steepest_));
   }
 
-  /// What makes the steepest direction conjugate to the last displacement.
+  /// What makes the steepest direction conjugate to the last proposal.
   double conjugation() const {
     const double along = sum_over(comm_, (steepest_ * a_moved_).sum());
     return curvature_ > 0 ? along / curvature_ : 0.0;
