@@ -59,17 +59,14 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     auto& keys = keys_.emplace_back();
     for (int k = 0; k < e.corners; ++k) keys[k] = known_[e.vertices[k]].key;
   }
-  ends_.assign(known_.size(), Vec3::Zero());
-  strays_.resize(known_elements_);
+  starts_.assign(known_.size(), Vec3::Zero());
 }
 
 bool ElementSearch::find(const Motion& motion, double reach, double slack) {
   const bool is_other = boxes_.empty() || reach != reach_ || slack != slack_;
   reach_ = reach;
   slack_ = slack;
-  const std::vector<Vec3> were = take_positions(motion);
-  note_strays(were);
-  for (Local i = 0; i < known_elements_; ++i) strays_[i].spread += start_astray(elements_[i], were);
+  take_motion(motion);
   std::vector<Local> grown;
   if (!is_other) grown = outgrown();
   const bool is_anew = is_other || double(grown_.size() + grown.size()) > most_grown * known_elements_;
@@ -82,14 +79,14 @@ bool ElementSearch::find(const Motion& motion, double reach, double slack) {
 }
 
 void ElementSearch::follow(const Motion& motion) {
-  note_strays(take_positions(motion));
+  take_motion(motion);
   extend(outgrown());
   find_across();
 }
 
 void ElementSearch::begin() {
-  boxes_.clear();
-  for (Local i = 0; i < known_elements_; ++i) boxes_.push_back(box_around(i, slack_));
+  boxes_ = swept_;
+  for (Box& box : boxes_) box.inflate(slack_);
   own_tree_.build({boxes_.begin(), boxes_.begin() + own_});
   obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
   grown_.clear();
@@ -102,18 +99,20 @@ void ElementSearch::begin() {
 std::vector<Local> ElementSearch::outgrown() const {
   std::vector<Local> elements;
   for (Local i = 0; i < known_elements_; ++i)
-    if (!boxes_[i].contains(box_around(i, 0.0))) elements.push_back(i);
+    if (!boxes_[i].contains(swept_[i])) elements.push_back(i);
   return elements;
 }
 
 /// Makes boxes grow. A pair is new where the boxes overlap and those before did not.
 void ElementSearch::extend(const std::vector<Local>& grown) {
   if (grown.empty()) return;
-  const std::vector<Box> before(boxes_.begin(), boxes_.begin() + known_elements_);
+  const std::vector<Box> before = boxes_;
   std::vector<Local> earlier;
   std::set_difference(grown_.begin(), grown_.end(), grown.begin(), grown.end(), std::back_inserter(earlier));
   for (const Local i : grown) {
-    boxes_[i].include(box_around(i, slack_));
+    Box box = swept_[i];
+    box.inflate(slack_);
+    boxes_[i].include(box);
     is_grown_[i] = true;
   }
   grown_.clear();
@@ -133,14 +132,13 @@ void ElementSearch::extend(const std::vector<Local>& grown) {
 /// Whatever other ranks had sent before is forgotten.
 void ElementSearch::find_across() {
   elements_.resize(known_elements_);
-  boxes_.resize(known_elements_);
   keys_.resize(known_elements_);
   receive_elements();
   balls_.clear();
   for (const Element& e : elements_) balls_.push_back(ball_around(e));
   pairs_across_.clear();
   if (Local(elements_.size()) == known_elements_) return;
-  const BoxTree received = tree_of({boxes_.begin() + known_elements_, boxes_.end()});
+  const BoxTree received = tree_of({swept_.begin() + known_elements_, swept_.end()});
   for (const auto& [i, j] : own_tree_.pairs_with(received))
     if (!is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
   std::vector<Local> grown; // of the cloth
@@ -149,12 +147,11 @@ void ElementSearch::find_across() {
     pairs_across_.emplace_back(grown[g], known_elements_ + j);
 }
 
-/// Positions and displacements of the known vertices; returns where the motion before took them. What all
-/// have in common does not bring anything together: the mean of the cloth is taken out.
-std::vector<Vec3> ElementSearch::take_positions(const Motion& m) {
-  const Local owned = cloth_.mesh.vertices.owned;
+/// What all have in common does not bring anything together: the mean of the cloth is taken out of
+/// displacements and boxes.
+void ElementSearch::take_motion(const Motion& m) {
   std::array<double, 6> sum{};
-  for (Local i = 0; i < owned; ++i)
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     for (int k = 0; k < 3; ++k) {
       sum[k] += m.cloth_from[i][k];
       sum[3 + k] += m.cloth_to[i][k];
@@ -165,51 +162,43 @@ std::vector<Vec3> ElementSearch::take_positions(const Motion& m) {
   vertices_ = known_;
   x_.clear();
   u_.clear();
-  swept_.clear();
-  std::vector<Vec3> were = std::exchange(ends_, {});
+  std::vector<Box> boxes; // of the vertices' ways
+  const std::vector<Vec3> were = std::exchange(starts_, {});
   const auto add = [&](std::span<const Vec3> starts, std::span<const Vec3> ends) {
     for (std::size_t i = 0; i < starts.size(); ++i) {
       const Vec3 start = starts[i] - from, end = ends[i] - to;
       x_.push_back(starts[i]);
       u_.emplace_back(end - start);
-      ends_.push_back(end);
-      swept_.emplace_back();
-      swept_.back().include(start);
-      swept_.back().include(end);
+      starts_.push_back(start);
+      boxes.emplace_back();
+      boxes.back().include(start);
+      boxes.back().include(end);
     }
   };
   add(m.cloth_from, m.cloth_to);
   add(m.obstacles_from, m.obstacles_to);
-  return were;
-}
-
-/// How far the elements' ends are from where they were.
-void ElementSearch::note_strays(std::span<const Vec3> were) {
+  swept_.clear();
+  strays_.clear();
   for (Local i = 0; i < known_elements_; ++i) {
-    const Element& e = elements_[i];
-    Stray stray{Vec3::Zero(), 0};
-    for (int k = 0; k < e.corners; ++k) stray.by += (ends_[e.vertices[k]] - were[e.vertices[k]]) / e.corners;
-    for (int k = 0; k < e.corners; ++k)
-      stray.spread = std::max(stray.spread, (ends_[e.vertices[k]] - were[e.vertices[k]] - stray.by).norm());
-    strays_[i] = stray;
+    swept_.push_back(box_around(elements_[i], boxes));
+    strays_.push_back(stray_of(elements_[i], were));
   }
 }
 
-/// m, how far an element starts from where it was.
-double ElementSearch::start_astray(const Element& e, std::span<const Vec3> were) const {
-  double farthest = 0;
-  for (int k = 0; k < e.corners; ++k)
-    farthest = std::max(farthest, (ends_[e.vertices[k]] - u_[e.vertices[k]] - were[e.vertices[k]]).norm());
-  return farthest;
+/// With half of the reach around it: what two elements sweep overlaps if they come within reach.
+Box ElementSearch::box_around(const Element& e, std::span<const Box> of_vertices) const {
+  Box box;
+  for (int k = 0; k < e.corners; ++k) box.include(of_vertices[e.vertices[k]]);
+  box.inflate(0.5 * reach_ + (e.body < 0 ? 0.0 : obstacles_.body(e.body).radius));
+  return box;
 }
 
-Box ElementSearch::box_around(Local element, double slack) const {
-  const Element& e = elements_[element];
-  const double radius = 0.5 * reach_ + slack + (e.body < 0 ? 0.0 : obstacles_.body(e.body).radius);
-  Box box;
-  for (int k = 0; k < e.corners; ++k) box.include(swept_[e.vertices[k]]);
-  box.inflate(radius);
-  return box;
+ElementSearch::Stray ElementSearch::stray_of(const Element& e, std::span<const Vec3> were) const {
+  const auto by = [&](int k) { return Vec3(starts_[e.vertices[k]] - were[e.vertices[k]]); };
+  Stray stray{Vec3::Zero(), 0};
+  for (int k = 0; k < e.corners; ++k) stray.by += by(k) / e.corners;
+  for (int k = 0; k < e.corners; ++k) stray.spread = std::max(stray.spread, (by(k) - stray.by).norm());
+  return stray;
 }
 
 std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const {
@@ -234,7 +223,7 @@ void ElementSearch::receive_elements() {
   const MPI_Comm comm = cloth_.mesh.comm;
   const int ranks = size_of(comm), me = rank_of(comm);
   if (ranks == 1) return;
-  const std::vector<Box> mine = blocks_of(std::span(boxes_).first(own_));
+  const std::vector<Box> mine = blocks_of(std::span(swept_).first(own_));
   std::vector<Box> all(std::size_t(ranks) * blocks_per_rank);
   constexpr int bytes = blocks_per_rank * sizeof(Box);
   MPI_Allgather(mine.data(), bytes, MPI_BYTE, all.data(), bytes, MPI_BYTE, comm);
@@ -257,20 +246,21 @@ void ElementSearch::receive_elements() {
       u_.push_back(s.u[k]);
     }
     elements_.push_back(element);
-    boxes_.push_back(s.box);
+    swept_.push_back(s.box);
+    strays_.push_back({Vec3::Zero(), 0}); // their pairs are new each time
   }
 }
 
 void ElementSearch::append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const {
   const Box around_blocks = around(blocks);
   for (Local i = 0; i < own_; ++i) {
-    const Box& box = boxes_[i];
+    const Box& box = swept_[i];
     if (!around_blocks.overlaps(box) ||
         std::none_of(blocks.begin(), blocks.end(), [&](const Box& b) { return b.overlaps(box); }))
       continue;
     SentElement& s = found.emplace_back();
     s.element = elements_[i];
-    s.box = boxes_[i];
+    s.box = box;
     for (int k = 0; k < s.element.corners; ++k) {
       const Local v = s.element.vertices[k];
       s.vertices[k] = vertices_[v];

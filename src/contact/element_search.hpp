@@ -36,12 +36,15 @@ public:
   /// is near where elements left their boxes, and makes those across ranks anew. Collective.
   void follow(const Motion& motion);
 
-  /// m by which two elements of this rank came nearer to each other by the last change of the motion, at
-  /// most.
+  /// m by which two elements came nearer to each other from the start of the motion before to that of this
+  /// one, at most.
   double strayed(const BoxPair& pair) const {
     const Stray &a = strays_[pair.first], &b = strays_[pair.second];
     return (a.by - b.by).norm() + a.spread + b.spread;
   }
+
+  /// Whether the boxes around what two elements sweep overlap; the slack aside.
+  bool meets(const BoxPair& pair) const { return swept_[pair.first].overlaps(swept_[pair.second]); }
 
   /// The pairs of elements of this rank's cloth with each other and with obstacles; the first is cloth.
   std::span<const BoxPair> pairs() const { return pairs_; }
@@ -90,20 +93,19 @@ private:
     double thickness;    ///< m, the radius of an obstacle
   };
 
-  /// How far the vertices' ends are from where they were.
+  /// How far an element's vertices start from where the motion before started.
   struct Stray {
     Vec3 by;       ///< m, their mean
     double spread; ///< m that the vertices differ from it at most
   };
 
-  std::vector<Vec3> take_positions(const Motion& motion);
-  void note_strays(std::span<const Vec3> were);
-  double start_astray(const Element& element, std::span<const Vec3> were) const;
+  void take_motion(const Motion& motion);
   void begin();
   std::vector<Local> outgrown() const;
   void extend(const std::vector<Local>& grown);
   Ball ball_around(const Element& element) const;
-  Box box_around(Local element, double slack) const;
+  Box box_around(const Element& element, std::span<const Box> of_vertices) const;
+  Stray stray_of(const Element& element, std::span<const Vec3> were) const;
   std::vector<Box> boxes_at(std::span<const Local> elements) const;
   void find_across();
   void receive_elements();
@@ -114,19 +116,18 @@ private:
   std::vector<SurfaceVertex> known_; ///< the part of `vertices_` that stays
   std::vector<SurfaceVertex> vertices_;
   std::vector<Vec3> x_, u_;
-  std::vector<Vec3>
-      ends_; ///< m, of the vertices known here; in a frame that moves like the cloth on the mean
-  std::vector<Box> swept_; ///< by them, in that frame
+  std::vector<Vec3> starts_; ///< m, of what is known; in a frame that moves like the cloth on the mean
   double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   std::vector<std::array<Global, 3>> keys_;
   Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
-  std::vector<Box> boxes_;           ///< in that frame
+  std::vector<Box> swept_;           ///< by elements, in that frame
+  std::vector<Box> boxes_;           ///< of what is known, with room around what is swept
   BoxTree own_tree_, obstacle_tree_; ///< as the boxes were made
   std::vector<Local> grown_;         ///< elements whose boxes have grown since, in order
   std::vector<bool> is_grown_;
   std::vector<Ball> balls_;
-  std::vector<Stray> strays_; ///< of what is known
+  std::vector<Stray> strays_;
   std::vector<BoxPair> pairs_, pairs_across_;
 };
 

@@ -20,8 +20,8 @@ constexpr int most_products = 40, most_products_far = 20;
 constexpr double far = 10.0;
 
 constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double slack = 2.0; ///< of the thickness: how far cloth may stray before a search is extended
-constexpr int patience = 6;   ///< iterations until stuck vertices are let go
+constexpr double slack = 1.0;       ///< of the thickness: how far cloth may stray before a search is extended
+constexpr int patience = 6;         ///< iterations until stuck vertices are let go
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
 /// something strikes hard does not soften the edges.
