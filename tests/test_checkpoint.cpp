@@ -118,6 +118,7 @@ TEST(Checkpoint, HoldsEverything) {
   t.steps = Global(1) << 40;
   t.iterations = 5, t.linear_iterations = 6, t.velocity_iterations = 7, t.iterations_max = 8,
   t.contacts_max = 9;
+  t.contacts = 11, t.contacts_if_even = 12;
   t.intersections = 10, t.phases.contact = 0.6;
   t.strain_max = 1.0 / 3, t.strain_squares = 1e-300, t.strain_limit = 0.01;
   t.histogram = {double(rank_of(world)), 1.0};
@@ -145,6 +146,7 @@ TEST(Checkpoint, HoldsEverything) {
                      r.contacts_max, r.intersections, r.phases.contact),
             std::tie(t.iterations, t.linear_iterations, t.velocity_iterations, t.iterations_max,
                      t.contacts_max, t.intersections, t.phases.contact));
+  EXPECT_EQ(std::tie(r.contacts, r.contacts_if_even), std::tie(t.contacts, t.contacts_if_even));
   EXPECT_EQ(std::tie(r.strain_max, r.strain_squares, r.strain_limit),
             std::tie(t.strain_max, t.strain_squares, t.strain_limit));
   EXPECT_EQ(std::tie(r.phases.velocity, r.phases.projection, r.phases.cpu, r.seconds, r.setup_seconds,

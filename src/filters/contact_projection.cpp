@@ -75,7 +75,10 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     }
     project(strain, report);
     note_contact_forces(candidate); // before another search renumbers what the rows refer to
-    report.contacts = std::max(report.contacts, contact_count_);
+    if (contact_count_ > report.contacts) {
+      report.contacts = contact_count_;
+      report.contacts_if_even = size_of(comm_) * max_over(comm_, Global(contacts_.size()));
+    }
     ++report.iterations;
     if (!report.failure.empty()) break;
     double alpha = 1;

@@ -36,6 +36,7 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   begin(start, dt, freedom, candidate);
   const std::vector<Impact> near = too_near();
   report.contacts = sum_over(comm, Global(near.size()));
+  report.contacts_if_even = size_of(comm) * max_over(comm, Global(near.size()));
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {

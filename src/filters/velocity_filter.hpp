@@ -7,11 +7,12 @@
 namespace taut {
 
 struct FilterReport {
-  int iterations = 0;         ///< of the filter
-  int linear_iterations = 0;  ///< of the linear solver, over all of them
-  Global contacts = 0;        ///< features in reach of each other
-  double contact_seconds = 0; ///< spent on finding them and on moving without meeting them
-  std::string failure;        ///< empty, or why the step cannot be accepted
+  int iterations = 0;          ///< of the filter
+  int linear_iterations = 0;   ///< of the linear solver, over all of them
+  Global contacts = 0;         ///< features in reach of each other
+  Global contacts_if_even = 0; ///< if every rank had as many as the one with most
+  double contact_seconds = 0;  ///< spent on finding them and on moving without meeting them
+  std::string failure;         ///< empty, or why the step cannot be accepted
 };
 
 /// Changes the velocities a step proposes so that a constraint holds at its end [G07 section 4: time

@@ -36,6 +36,7 @@ struct StepRecord {
   int iterations = 0;          ///< of the projection
   int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
   Global contacts = 0;         ///< features in reach of each other
+  Global contacts_if_even = 0; ///< if every rank had as many as the one with most
   Strain strain;
   double face_strain =
       0;            ///< largest of any triangle along warp or weft, where the limit is for averages of it

@@ -241,6 +241,7 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
     attempt.record.iterations += filtered.iterations;
     attempt.record.linear_iterations += filtered.linear_iterations;
     attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);
+    attempt.record.contacts_if_even = std::max(attempt.record.contacts_if_even, filtered.contacts_if_even);
     attempt.record.seconds.contact += filtered.contact_seconds;
     // where contact has the last word and breaks the limit, the projection only does what it can
     const bool has_last_word = k + 1 == filters_.size();

@@ -82,6 +82,8 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   t.velocity_iterations += r.velocity_iterations;
   t.iterations_max = std::max(t.iterations_max, r.iterations);
   t.contacts_max = std::max(t.contacts_max, r.contacts);
+  t.contacts += r.contacts;
+  t.contacts_if_even += r.contacts_if_even;
   t.strain_max = std::max(t.strain_max, r.strain.max);
   t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
@@ -144,7 +146,10 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"ksp_iterations_mean",
          all.iterations > 0 ? double(all.linear_iterations) / double(all.iterations) : 0.0}}},
       {"velocity", {{"ksp_iterations_mean", a_step(double(all.velocity_iterations))}}},
-      {"contact", {{"pairs_max", all.contacts_max}, {"intersections", all.intersections}}},
+      {"contact",
+       {{"pairs_max", all.contacts_max},
+        {"imbalance", all.contacts > 0 ? double(all.contacts_if_even) / double(all.contacts) : 1.0},
+        {"intersections", all.intersections}}},
       {"partition",
        {{"edge_cut", mesh.report.edge_cut},
         {"imbalance", mesh.report.imbalance},

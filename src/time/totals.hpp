@@ -9,7 +9,8 @@ struct Totals {
   Global iterations = 0, linear_iterations = 0, velocity_iterations = 0; ///< as in StepRecord
   int iterations_max = 0;
   Global contacts_max = 0;
-  Global intersections = 0; ///< found by IntersectionCheck
+  Global contacts = 0, contacts_if_even = 0; ///< as in StepRecord, summed over steps
+  Global intersections = 0;                  ///< found by IntersectionCheck
   double strain_max = 0;
   double face_strain_max = 0;
   double strain_squares = 0; ///< of the rms strain of each step
@@ -30,6 +31,8 @@ void visit_totals(T& totals, V& visit) {
   visit("velocity_iterations", totals.velocity_iterations);
   visit("iterations_max", totals.iterations_max);
   visit("contacts_max", totals.contacts_max);
+  visit("contacts", totals.contacts);
+  visit("contacts_if_even", totals.contacts_if_even);
   visit("intersections", totals.intersections);
   visit("strain_max", totals.strain_max);
   visit("face_strain_max", totals.face_strain_max);
