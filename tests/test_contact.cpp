@@ -282,8 +282,6 @@ TEST(ContactSearch, KeepsWhatItKnowsFromStepToStep) {
     Crumpled part(std::move(mesh), 7);
     const std::vector<Global>& vertices = part.cloth.mesh.vertices.original;
     ContactSearch search(part.cloth, part.obstacles);
-    ElementSearch elements(part.cloth, part.obstacles);
-    int kept = 0;
     const auto expect_all = [&](std::span<const Vec3> from, std::span<const Vec3> to) {
       const Motion motion{from, to, part.bodies, part.bodies};
       search.find(motion, reach, slack);
@@ -295,7 +293,6 @@ TEST(ContactSearch, KeepsWhatItKnowsFromStepToStep) {
       ContactSearch anew(part.cloth, part.obstacles);
       anew.find(motion, reach, slack);
       EXPECT_EQ(pairs_in_order(anew), pairs_in_order(search));
-      kept += elements.find(motion, reach, slack) ? 0 : 1;
     };
     unsigned seed = 20;
     for (const auto& [length, fall] : {std::pair{0.001, 0.0},
@@ -315,8 +312,6 @@ TEST(ContactSearch, KeepsWhatItKnowsFromStepToStep) {
       expect_all(part.from, to);
       part.from = to;
     }
-    EXPECT_GT(kept, 5);
-    EXPECT_LT(kept, 16);
   });
 }
 

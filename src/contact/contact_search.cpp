@@ -107,10 +107,8 @@ ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
 
 void ContactSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach;
-  if (elements_.find(motion, reach, slack)) near_ = {};
-  near_.found.clear();
-  for (std::size_t k = 0; k < near_.held.size(); ++k)
-    if (std::exchange(near_.held[k], 0) != 0) near_.apart[k] = 0;
+  elements_.find(motion, reach, slack);
+  near_ = {};
   plane_held_.assign(obstacles_.planes().size() * own_, false);
   look();
   place_in_fields();
@@ -134,29 +132,30 @@ void ContactSearch::look() {
   look_at_planes();
 }
 
-/// Passes over only what is too far for `meet` or what boxes as tight as can be keep apart: what is found
-/// depends on this motion and those since the last `find`, not on what was known before.
+/// Which pairs of elements there are depends on motions before the last `find` too, but those that boxes as
+/// tight as can be keep apart are passed over: what is found does not.
 void ContactSearch::look_at(std::span<const BoxPair> pairs, Near& near) const {
-  near.apart.resize(pairs.size(), 0.0);
+  near.spare.resize(pairs.size(), 0.0);
   near.held.resize(pairs.size(), 0);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    near.apart[k] -= elements_.strayed(pairs[k]);
-    if (near.apart[k] <= elements_.range(pairs[k]).far && elements_.meets(pairs[k]))
-      near.apart[k] = meet(pairs[k], near.held[k], near.found);
+    near.spare[k] -= elements_.strayed(pairs[k]);
+    if (near.spare[k] <= 0 && elements_.meets(pairs[k]))
+      near.spare[k] = meet(pairs[k], near.held[k], near.found);
   }
 }
 
 /// Keeps the pairs of features of two elements that can come within reach, if it does not hold them yet;
-/// returns how far the others are apart, at least.
+/// returns how much more motion (m) it takes to bring another one there, at least.
 double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
   const ElementSearch::Range range = elements_.range(elements);
   const Shared shared(a, elements_.keys(elements.first), b, elements_.keys(elements.second));
   if (shared.count == 1 && a.is_triangle() && b.is_triangle())
-    if (const double far = apart_around(shared, a, b, elements_.positions()); far > range.far) return far;
+    if (const double spare = apart_around(shared, a, b, elements_.positions()) - range.far; spare > 0)
+      return spare;
   const Vec3 across = elements_.direction(elements);
   const Extent along_a(a, elements_.positions(), across), along_b(b, elements_.positions(), across);
-  if (const double far = apart(along_a.all(), along_b.all()); far > range.far) return far;
+  if (const double spare = apart(along_a.all(), along_b.all()) - range.far; spare > 0) return spare;
   const std::int16_t body = std::max(a.body, b.body);
   const double radius = body >= 0 ? obstacles_.body(body).radius : 0.0;
   double least = HUGE_VAL;
@@ -166,9 +165,9 @@ double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::ve
                           const std::uint16_t mine = std::exchange(bit, bit << 1);
                           if (held & mine) return;
                           const Pair pair{vertices, kind, body, radius, Vec3::Zero()};
-                          const Distance distance = distance_of(pair, range, apart_across);
-                          if (!distance.is_near) {
-                            least = std::min(least, distance.apart);
+                          const double spare = spare_of(pair, range, apart_across);
+                          if (spare > 0) {
+                            least = std::min(least, spare);
                           } else {
                             found.push_back(pair);
                             held |= mine;
@@ -177,17 +176,18 @@ double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::ve
   return least;
 }
 
-/// Planes across the direction between the elements tell most features apart, those across the direction
-/// between the features most of the others.
-ContactSearch::Distance ContactSearch::distance_of(const Pair& pair, const ElementSearch::Range& range,
-                                                   double apart_across) const {
-  if (apart_across > range.far) return {apart_across, false};
+/// How much more motion (m) brings a pair of features within reach, at least. Planes across the direction
+/// between the elements tell most features apart, those across the direction between the features most of the
+/// others.
+double ContactSearch::spare_of(const Pair& pair, const ElementSearch::Range& range,
+                               double apart_across) const {
+  if (apart_across > range.far) return apart_across - range.far;
   const Four x = at(pair, elements_.positions());
-  if (const double apart = separation(pair.kind, x); apart > range.far) return {apart, false};
+  const double separate = separation(pair.kind, x) - range.far;
+  if (separate > 0) return separate;
   const Approach here = approach(pair, x);
   const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
-  const double apart = here.gap + pair.radius;
-  return {apart, apart <= range.far && here.gap - std::max(0.0, approaching) <= range.near};
+  return std::max(here.gap + pair.radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
 }
 
 void ContactSearch::look_at_planes() {

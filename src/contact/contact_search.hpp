@@ -16,7 +16,7 @@ public:
 
   /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
   /// lines from where they are to where the motion ends. Costs least if elements stray by less than `slack`
-  /// (m) from motion to motion; what is found, and its order, does not depend on the motions before.
+  /// (m) from motion to motion; what is found, and its order, do not depend on the motions before.
   /// Collective.
   void find(const Motion& motion, double reach, double slack = 0.0);
 
@@ -53,21 +53,15 @@ public:
 private:
   /// Of pairs of elements, what their features do.
   struct Near {
-    std::vector<double> apart;       ///< m, at least, where features start that are not in `found`
-    std::vector<std::uint16_t> held; ///< which are, a bit for each pair of features
+    std::vector<double> spare;       ///< m, until another pair of their features is near, at least
+    std::vector<std::uint16_t> held; ///< which of them are in `found`, a bit for each
     std::vector<Pair> found;         ///< their vertices are places in the fields of `elements_`
-  };
-
-  /// Of two features.
-  struct Distance {
-    double apart; ///< m, at least, where they start
-    bool is_near; ///< whether they can come within reach
   };
 
   void look();
   void look_at(std::span<const BoxPair> pairs, Near& near) const;
   double meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const;
-  Distance distance_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;
+  double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;
   void look_at_planes();
   void place_in_fields();
 

@@ -59,23 +59,21 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     auto& keys = keys_.emplace_back();
     for (int k = 0; k < e.corners; ++k) keys[k] = known_[e.vertices[k]].key;
   }
-  starts_.assign(known_.size(), Vec3::Zero());
+  ends_.assign(known_.size(), Vec3::Zero());
 }
 
-bool ElementSearch::find(const Motion& motion, double reach, double slack) {
+void ElementSearch::find(const Motion& motion, double reach, double slack) {
   const bool is_other = boxes_.empty() || reach != reach_ || slack != slack_;
   reach_ = reach;
   slack_ = slack;
   take_motion(motion);
   std::vector<Local> grown;
   if (!is_other) grown = outgrown();
-  const bool is_anew = is_other || double(grown_.size() + grown.size()) > most_grown * known_elements_;
-  if (is_anew)
+  if (is_other || double(grown_.size() + grown.size()) > most_grown * known_elements_)
     begin();
   else
     extend(grown);
   find_across();
-  return is_anew;
 }
 
 void ElementSearch::follow(const Motion& motion) {
@@ -163,13 +161,13 @@ void ElementSearch::take_motion(const Motion& m) {
   x_.clear();
   u_.clear();
   std::vector<Box> boxes; // of the vertices' ways
-  const std::vector<Vec3> were = std::exchange(starts_, {});
+  const std::vector<Vec3> were = std::exchange(ends_, {});
   const auto add = [&](std::span<const Vec3> starts, std::span<const Vec3> ends) {
     for (std::size_t i = 0; i < starts.size(); ++i) {
       const Vec3 start = starts[i] - from, end = ends[i] - to;
       x_.push_back(starts[i]);
       u_.emplace_back(end - start);
-      starts_.push_back(start);
+      ends_.push_back(end);
       boxes.emplace_back();
       boxes.back().include(start);
       boxes.back().include(end);
@@ -194,7 +192,7 @@ Box ElementSearch::box_around(const Element& e, std::span<const Box> of_vertices
 }
 
 ElementSearch::Stray ElementSearch::stray_of(const Element& e, std::span<const Vec3> were) const {
-  const auto by = [&](int k) { return Vec3(starts_[e.vertices[k]] - were[e.vertices[k]]); };
+  const auto by = [&](int k) { return Vec3(ends_[e.vertices[k]] - were[e.vertices[k]]); };
   Stray stray{Vec3::Zero(), 0};
   for (int k = 0; k < e.corners; ++k) stray.by += by(k) / e.corners;
   for (int k = 0; k < e.corners; ++k) stray.spread = std::max(stray.spread, (by(k) - stray.by).norm());

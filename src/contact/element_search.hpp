@@ -28,16 +28,15 @@ public:
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
   /// straight lines, to where the motion ends or, of cloth, anywhere within `slack` (m) of that, by boxes
-  /// around them: a superset. Any motion will do, but where boxes around the ones before hold this one too,
-  /// their pairs are kept [BW98 section 6, coherency]. True if all pairs of this rank are new. Collective.
-  bool find(const Motion& motion, double reach, double slack);
+  /// around them: a superset. Any motion will do; where the boxes made for motions before hold this one too,
+  /// their pairs are kept [BW98 section 6, coherency]. Collective.
+  void find(const Motion& motion, double reach, double slack);
 
   /// The motion starts somewhere on the way of the one before, and ends elsewhere. Appends to the pairs what
   /// is near where elements left their boxes, and makes those across ranks anew. Collective.
   void follow(const Motion& motion);
 
-  /// m by which two elements came nearer to each other from the start of the motion before to that of this
-  /// one, at most.
+  /// m by which two elements end nearer to each other than by the motion before, at most.
   double strayed(const BoxPair& pair) const {
     const Stray &a = strays_[pair.first], &b = strays_[pair.second];
     return (a.by - b.by).norm() + a.spread + b.spread;
@@ -93,7 +92,7 @@ private:
     double thickness;    ///< m, the radius of an obstacle
   };
 
-  /// How far an element's vertices start from where the motion before started.
+  /// How far an element's vertices end from where the motion before ended.
   struct Stray {
     Vec3 by;       ///< m, their mean
     double spread; ///< m that the vertices differ from it at most
@@ -116,7 +115,7 @@ private:
   std::vector<SurfaceVertex> known_; ///< the part of `vertices_` that stays
   std::vector<SurfaceVertex> vertices_;
   std::vector<Vec3> x_, u_;
-  std::vector<Vec3> starts_; ///< m, of what is known; in a frame that moves like the cloth on the mean
+  std::vector<Vec3> ends_; ///< m, of what is known; in a frame that moves like the cloth on the mean
   double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   std::vector<std::array<Global, 3>> keys_;
