@@ -1,6 +1,7 @@
 #include "src/contact/contact_search.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -97,6 +98,21 @@ void for_each_feature_pair(const Element& a, const Element& b, const Shared& sha
         visit(PairKind::edge_edge, {v[k], v[k1], w[l], w[l1]}, apart(along_a.of(k, k1), along_b.of(l, l1)));
     }
   }
+}
+
+/// The pairs by their vertices, places in fields of this size, however they were found.
+std::vector<Pair> in_order(std::span<const Pair> pairs, Local size) {
+  std::vector<std::size_t> begin(size + 1, 0); // of those with each first vertex
+  for (const Pair& p : pairs) ++begin[p.vertices[0] + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Pair> ordered(pairs.size());
+  std::vector<std::size_t> end = begin;
+  for (const Pair& p : pairs) ordered[end[p.vertices[0]]++] = p;
+  for (Local v = 0; v < size; ++v)
+    std::sort(ordered.begin() + begin[v], ordered.begin() + end[v], [](const Pair& a, const Pair& b) {
+      return std::tie(a.vertices, a.kind) < std::tie(b.vertices, b.kind);
+    });
+  return ordered;
 }
 
 } // namespace
@@ -242,9 +258,6 @@ void ContactSearch::place_in_fields() {
   keys_.resize(home());
   for (Local i = 0; i < own_; ++i) keys_[i] = vertices[i].key;
   for (Local k = 0; k < obstacle_count_; ++k) keys_[own_ + k] = cloth_.mesh.vertices.total + k;
-  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
-    return std::tie(a.vertices, a.kind) < std::tie(b.vertices, b.kind);
-  });
   std::vector<Local> wanted, arrivals;
   std::vector<int> owners, askers;
   for (const SurfaceVertex& g : ghosts) {
@@ -253,6 +266,7 @@ void ContactSearch::place_in_fields() {
     wanted.push_back(g.place);
     owners.push_back(g.owner);
   }
+  pairs_ = in_order(pairs_, size());
   const auto asked = exchange(comm, wanted, owners);
   for (int r = 0; r < size_of(comm); ++r)
     askers.insert(askers.end(), std::size_t(asked.offsets[r + 1] - asked.offsets[r]), r);
