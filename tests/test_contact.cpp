@@ -189,25 +189,22 @@ struct Features {
   }
 };
 
-/// Whether a pair comes within `reach` somewhere on the way from x to y.
-bool comes_near(const Pair& pair, const Four& x, const Four& y, double reach) {
-  Four u;
-  for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
-  for (int k = 0; k <= 50; ++k)
-    if (approach(pair, moved(x, u, k / 50.0)).gap < reach) return true;
-  return false;
-}
-
 /// Expects every pair of features of the cloth that comes within `reach` on the way to be among `found`;
 /// returns how many do. Positions of all vertices, in input order.
 int expect_what_comes_near(std::span<const Vec3> from, std::span<const Vec3> to, double reach,
                            const std::multiset<Name>& found) {
+  const auto comes_near = [&](const Pair& pair, const std::array<Global, 4>& v) {
+    const Four x{from[v[0]], from[v[1]], from[v[2]], from[v[3]]}, y{to[v[0]], to[v[1]], to[v[2]], to[v[3]]};
+    Four u;
+    for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
+    for (int k = 0; k <= 50; ++k)
+      if (approach(pair, moved(x, u, k / 50.0)).gap < reach) return true;
+    return false;
+  };
   const Features features;
   int expected = 0;
   const auto expect = [&](const Pair& pair, const std::array<Global, 4>& v) {
-    if (!comes_near(pair, {from[v[0]], from[v[1]], from[v[2]], from[v[3]]},
-                    {to[v[0]], to[v[1]], to[v[2]], to[v[3]]}, reach))
-      return;
+    if (!comes_near(pair, v)) return;
     ++expected;
     const Pair by_key{{0, 1, 2, 3}, pair.kind, -1, 0, Vec3::Zero()};
     EXPECT_EQ(found.count(name_of(by_key, v)), 1u);

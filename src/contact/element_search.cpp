@@ -139,8 +139,7 @@ void ElementSearch::find_across() {
   const BoxTree received = tree_of({swept_.begin() + known_elements_, swept_.end()});
   for (const auto& [i, j] : own_tree_.pairs_with(received))
     if (!is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
-  std::vector<Local> grown; // of the cloth
-  std::copy_if(grown_.begin(), grown_.end(), std::back_inserter(grown), [&](Local i) { return i < own_; });
+  const std::span<const Local> grown(grown_.begin(), std::lower_bound(grown_.begin(), grown_.end(), own_));
   for (const auto& [g, j] : tree_of(boxes_at(grown)).pairs_with(received))
     pairs_across_.emplace_back(grown[g], known_elements_ + j);
 }
@@ -160,13 +159,15 @@ void ElementSearch::take_motion(const Motion& m) {
   vertices_ = known_;
   x_.clear();
   u_.clear();
-  std::vector<Box> boxes; // of the vertices' ways
+  std::vector<Box> boxes;   // of the vertices' ways
+  std::vector<Vec3> strays; // of the vertices' ends
   const std::vector<Vec3> were = std::exchange(ends_, {});
   const auto add = [&](std::span<const Vec3> starts, std::span<const Vec3> ends) {
     for (std::size_t i = 0; i < starts.size(); ++i) {
       const Vec3 start = starts[i] - from, end = ends[i] - to;
       x_.push_back(starts[i]);
       u_.emplace_back(end - start);
+      strays.emplace_back(end - were[ends_.size()]);
       ends_.push_back(end);
       boxes.emplace_back();
       boxes.back().include(start);
@@ -179,7 +180,7 @@ void ElementSearch::take_motion(const Motion& m) {
   strays_.clear();
   for (Local i = 0; i < known_elements_; ++i) {
     swept_.push_back(box_around(elements_[i], boxes));
-    strays_.push_back(stray_of(elements_[i], were));
+    strays_.push_back(common_to(elements_[i], strays));
   }
 }
 
@@ -187,16 +188,16 @@ void ElementSearch::take_motion(const Motion& m) {
 Box ElementSearch::box_around(const Element& e, std::span<const Box> of_vertices) const {
   Box box;
   for (int k = 0; k < e.corners; ++k) box.include(of_vertices[e.vertices[k]]);
-  box.inflate(0.5 * reach_ + (e.body < 0 ? 0.0 : obstacles_.body(e.body).radius));
+  box.inflate(0.5 * reach_ + radius_of(e));
   return box;
 }
 
-ElementSearch::Stray ElementSearch::stray_of(const Element& e, std::span<const Vec3> were) const {
-  const auto by = [&](int k) { return Vec3(ends_[e.vertices[k]] - were[e.vertices[k]]); };
-  Stray stray{Vec3::Zero(), 0};
-  for (int k = 0; k < e.corners; ++k) stray.by += by(k) / e.corners;
-  for (int k = 0; k < e.corners; ++k) stray.spread = std::max(stray.spread, (by(k) - stray.by).norm());
-  return stray;
+ElementSearch::Common ElementSearch::common_to(const Element& e, std::span<const Vec3> of_vertices) {
+  Common common{Vec3::Zero(), 0};
+  for (int k = 0; k < e.corners; ++k) common.mean += of_vertices[e.vertices[k]] / e.corners;
+  for (int k = 0; k < e.corners; ++k)
+    common.spread = std::max(common.spread, (of_vertices[e.vertices[k]] - common.mean).norm());
+  return common;
 }
 
 std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const {
@@ -206,14 +207,13 @@ std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const 
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
-  Ball ball{Vec3::Zero(), Vec3::Zero(), 0, e.body < 0 ? 0.0 : obstacles_.body(e.body).radius};
-  for (int k = 0; k < e.corners; ++k) {
-    ball.centre += x_[e.vertices[k]] / e.corners;
-    ball.motion += u_[e.vertices[k]] / e.corners;
-  }
-  for (int k = 0; k < e.corners; ++k)
-    ball.spread = std::max(ball.spread, (u_[e.vertices[k]] - ball.motion).norm());
+  Ball ball{Vec3::Zero(), common_to(e, u_), radius_of(e)};
+  for (int k = 0; k < e.corners; ++k) ball.centre += x_[e.vertices[k]] / e.corners;
   return ball;
+}
+
+double ElementSearch::radius_of(const Element& e) const {
+  return e.body < 0 ? 0.0 : obstacles_.body(e.body).radius;
 }
 
 /// The elements of other ranks that this one has to compare with its own.

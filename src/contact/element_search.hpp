@@ -38,8 +38,8 @@ public:
 
   /// m by which two elements end nearer to each other than by the motion before, at most.
   double strayed(const BoxPair& pair) const {
-    const Stray &a = strays_[pair.first], &b = strays_[pair.second];
-    return (a.by - b.by).norm() + a.spread + b.spread;
+    const Common &a = strays_[pair.first], &b = strays_[pair.second];
+    return (a.mean - b.mean).norm() + a.spread + b.spread;
   }
 
   /// Whether the boxes around what two elements sweep overlap; the slack aside.
@@ -61,7 +61,8 @@ public:
   };
   Range range(const BoxPair& pair) const {
     const Ball &a = balls_[pair.first], &b = balls_[pair.second];
-    return {reach_, reach_ + a.spread + b.spread + (a.motion - b.motion).norm() + b.thickness};
+    return {reach_, reach_ + a.motion.spread + b.motion.spread + (a.motion.mean - b.motion.mean).norm() +
+                        b.thickness};
   }
 
   /// Of its vertices; beyond its corners there are none.
@@ -86,25 +87,25 @@ private:
     std::array<Vec3, 3> x, u;
     Box box;
   };
+  /// Of what an element's vertices do.
+  struct Common {
+    Vec3 mean;     ///< m
+    double spread; ///< m that a vertex differs from it at most
+  };
   struct Ball {
-    Vec3 centre, motion; ///< means over the vertices, m
-    double spread;       ///< m that the vertices' motions differ from the mean at most
-    double thickness;    ///< m, the radius of an obstacle
+    Vec3 centre; ///< m
+    Common motion;
+    double thickness; ///< m, the radius of an obstacle
   };
 
-  /// How far an element's vertices end from where the motion before ended.
-  struct Stray {
-    Vec3 by;       ///< m, their mean
-    double spread; ///< m that the vertices differ from it at most
-  };
-
+  static Common common_to(const Element& element, std::span<const Vec3> of_vertices);
   void take_motion(const Motion& motion);
   void begin();
   std::vector<Local> outgrown() const;
   void extend(const std::vector<Local>& grown);
   Ball ball_around(const Element& element) const;
+  double radius_of(const Element& element) const; ///< m, of an obstacle's
   Box box_around(const Element& element, std::span<const Box> of_vertices) const;
-  Stray stray_of(const Element& element, std::span<const Vec3> were) const;
   std::vector<Box> boxes_at(std::span<const Local> elements) const;
   void find_across();
   void receive_elements();
@@ -126,7 +127,7 @@ private:
   std::vector<Local> grown_;         ///< elements whose boxes have grown since, in order
   std::vector<bool> is_grown_;
   std::vector<Ball> balls_;
-  std::vector<Stray> strays_;
+  std::vector<Common> strays_; ///< of where elements end from where they ended by the motion before
   std::vector<BoxPair> pairs_, pairs_across_;
 };
 

@@ -1,5 +1,7 @@
 #include "src/contact/normal_cones.hpp"
 
+#include <boost/container/static_vector.hpp>
+
 #include <algorithm>
 
 namespace taut {
@@ -23,27 +25,27 @@ NormalCones::NormalCones(const Obstacles& obstacles) : neighbours_(obstacles.ver
 
 bool NormalCones::holds(const Pair& pair, const Approach& here, std::span<const Vec3> field,
                         Local first) const {
-  std::array<Local, 3> nearest; // of the obstacle's vertices, those in play
-  int count = 0;
+  boost::container::static_vector<Local, 3> nearest; // of the obstacle's vertices, those in play
   Vec3 place = Vec3::Zero();
   double sum = 0;
   const Local end = first + Local(neighbours_.size());
   for (int i = 0; i < 4; ++i) {
     const Local v = pair.vertices[i];
     if (v < first || v >= end || here.weights[i] == 0) continue;
-    nearest[count++] = v - first;
+    nearest.push_back(v - first);
     place += here.weights[i] * field[v];
     sum += here.weights[i];
   }
-  if (count == 0 || count == 3) return true;
+  if (nearest.empty() || nearest.size() == 3) return true;
   place /= sum;
   const Vec3 outwards = sum < 0 ? here.normal : Vec3(-here.normal);
+  std::sort(nearest.begin(), nearest.end());
   const auto leads_outwards = [&](Local v) {
     const Vec3 inwards = field[first + v] - place;
     return outwards.dot(inwards) > rounding * inwards.norm();
   };
-  if (count == 1) return std::ranges::none_of(neighbours_[nearest[0]], leads_outwards);
-  const auto corners = opposite_.find({std::min(nearest[0], nearest[1]), std::max(nearest[0], nearest[1])});
+  if (nearest.size() == 1) return std::ranges::none_of(neighbours_[nearest[0]], leads_outwards);
+  const auto corners = opposite_.find({nearest[0], nearest[1]});
   return corners == opposite_.end() || std::ranges::none_of(corners->second, leads_outwards);
 }
 
