@@ -36,10 +36,23 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> c
   return report;
 }
 
+void ContactQp::add_block(const Contact& contact) {
+  Block block{0, 0};
+  for (int i = 0; i < 4; ++i) {
+    const Local v = contact.vertices[i];
+    const bool is_cloth = v < search_.own() || v >= search_.home();
+    if (!is_cloth || contact.weights[i] == 0) continue;
+    parts_.push_back({v, contact.weights[i]});
+    ++block.parts;
+  }
+  blocks_.push_back(block);
+}
+
 void ContactQp::take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows) {
   lower_.clear();
   upper_.clear();
   blocks_.clear();
+  parts_.clear();
   directions_.clear();
   row_diagonal_.clear();
   row_compliance_.clear();
@@ -47,7 +60,7 @@ void ContactQp::take_rows(std::span<const Contact> contacts, std::span<const Con
   for (const ContactRow& row : rows) {
     const Contact& contact = contacts[row.contact];
     if (std::exchange(last, row.contact) != row.contact)
-      blocks_.push_back({contact.vertices, contact.weights, 0});
+      add_block(contact);
     ++blocks_.back().rows;
     directions_.push_back(row.direction);
     rhs_.push_back(row.missing);
@@ -67,10 +80,12 @@ void ContactQp::spread(std::span<const double> z) {
   mesh.edge_halo.begin_update(edge_values_);
   field_.assign(search_.size(), Vec3::Zero());
   std::size_t k = 0; // row
+  const Part* part = parts_.data();
   for (const Block& block : blocks_) {
     Vec3 force = Vec3::Zero();
     for (const std::size_t end = k + block.rows; k < end; ++k) force += z[edges_ + k] * directions_[k];
-    for (int i = 0; i < 4; ++i) field_[block.vertices[i]] += block.weights[i] * force;
+    for (const Part* end = part + block.parts; part < end; ++part)
+      field_[part->vertex] += part->weight * force;
   }
   mesh.edge_halo.end_update(edge_values_);
   search_.accumulate(field_);
@@ -84,7 +99,6 @@ void ContactQp::spread(std::span<const double> z) {
 void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
   const DistributedMesh& mesh = cloth_.mesh;
   spread(z);
-  field_.assign(search_.size(), Vec3::Zero());
   std::copy(push_.begin(), push_.begin() + search_.own(), field_.begin());
   search_.update(field_);
   for (std::size_t e = 0; e < edges_; ++e) {
@@ -95,9 +109,11 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
                  : edge_equations_->shift[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
   }
   std::size_t k = 0; // row
+  const Part* part = parts_.data();
   for (const Block& block : blocks_) {
     Vec3 parting = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) parting += block.weights[i] * field_[block.vertices[i]];
+    for (const Part* end = part + block.parts; part < end; ++part)
+      parting += part->weight * field_[part->vertex];
     for (const std::size_t end = k + block.rows; k < end; ++k)
       result[edges_ + k] = directions_[k].dot(parting) + row_compliance_[k] * z[edges_ + k];
   }

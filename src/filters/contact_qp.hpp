@@ -30,13 +30,18 @@ public:
   std::span<const Vec3> push() const { return push_; }
 
 private:
-  /// What a product needs of a contact and its rows.
-  struct Block {
-    std::array<Local, 4> vertices;
-    std::array<double, 4> weights;
-    Local rows; ///< so many
+  /// A vertex of cloth in a contact.
+  struct Part {
+    Local vertex;
+    double weight;
   };
 
+  /// What a product needs of a contact: so many parts, so many rows.
+  struct Block {
+    Local parts, rows;
+  };
+
+  void add_block(const Contact& contact);
   void take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows);
   void precondition(std::span<const double> r, std::span<double> s) const;
   void multiply(std::span<const double> z, std::span<double> result);
@@ -48,6 +53,7 @@ private:
   std::size_t edges_;                             ///< owned
   const EdgeEquations* edge_equations_ = nullptr; ///< of the program in hand
   std::vector<Block> blocks_;
+  std::vector<Part> parts_;      ///< of all blocks
   std::vector<Vec3> directions_; ///< of rows
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
   std::vector<double> row_diagonal_; ///< compliance in it
