@@ -29,7 +29,7 @@ double apart(const Interval& a, const Interval& b) { return std::max(a.low - b.h
 class Extent {
 public:
   Extent(const Element& element, std::span<const Vec3> x, const Vec3& direction) {
-    for (int k = 0; k < 3; ++k) at_[k] = direction.dot(x[element.vertices[k < element.corners ? k : 0]]);
+    for (int k = 0; k < 3; ++k) at_[k] = direction.dot(x[element.vertices[k]]);
   }
   Interval of(int k) const { return {at_[k], at_[k]}; }
   Interval of(int k, int l) const { return {std::min(at_[k], at_[l]), std::max(at_[k], at_[l])}; }
@@ -48,10 +48,7 @@ struct Shared {
          const std::array<Global, 3>& keys_b) {
     for (int i = 0; i < a.corners; ++i)
       for (int j = 0; j < b.corners; ++j)
-        if (keys_a[i] == keys_b[j]) {
-          same[i][j] = true;
-          ++count, k = i, l = j;
-        }
+        if ((same[i][j] = keys_a[i] == keys_b[j])) ++count, k = i, l = j;
   }
 };
 

@@ -28,6 +28,11 @@ BoxTree tree_of(std::vector<Box> boxes) {
   return tree;
 }
 
+/// Of a segment, nearer to its first vertex.
+Vec3 middle(const Element& e, std::span<const Vec3> of_vertices) {
+  return (of_vertices[e.vertices[0]] + of_vertices[e.vertices[1]] + of_vertices[e.vertices[2]]) * (1.0 / 3.0);
+}
+
 Box around(std::span<const Box> boxes) {
   Box all;
   for (const Box& b : boxes) all.include(b);
@@ -51,7 +56,7 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
   elements_ = cloth_elements(mesh);
   own_ = Local(elements_.size());
   for (Element e : obstacles.elements()) {
-    for (int k = 0; k < e.corners; ++k) e.vertices[k] += mesh.vertices.size();
+    for (Local& v : e.vertices) v += mesh.vertices.size();
     elements_.push_back(e);
   }
   known_elements_ = Local(elements_.size());
@@ -187,17 +192,16 @@ void ElementSearch::take_motion(const Motion& m) {
 /// With half of the reach around it: what two elements sweep overlaps if they come within reach.
 Box ElementSearch::box_around(const Element& e, std::span<const Box> of_vertices) const {
   Box box;
-  for (int k = 0; k < e.corners; ++k) box.include(of_vertices[e.vertices[k]]);
+  for (const Local v : e.vertices) box.include(of_vertices[v]);
   box.inflate(0.5 * reach_ + radius_of(e));
   return box;
 }
 
 ElementSearch::Common ElementSearch::common_to(const Element& e, std::span<const Vec3> of_vertices) {
-  Common common{Vec3::Zero(), 0};
-  for (int k = 0; k < e.corners; ++k) common.mean += of_vertices[e.vertices[k]] / e.corners;
-  for (int k = 0; k < e.corners; ++k)
-    common.spread = std::max(common.spread, (of_vertices[e.vertices[k]] - common.mean).norm());
-  return common;
+  const Vec3 mean = middle(e, of_vertices);
+  double spread = 0; // squared
+  for (const Local v : e.vertices) spread = std::max(spread, (of_vertices[v] - mean).squaredNorm());
+  return {mean, std::sqrt(spread)};
 }
 
 std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const {
@@ -207,9 +211,7 @@ std::vector<Box> ElementSearch::boxes_at(std::span<const Local> elements) const 
 }
 
 ElementSearch::Ball ElementSearch::ball_around(const Element& e) const {
-  Ball ball{Vec3::Zero(), common_to(e, u_), radius_of(e)};
-  for (int k = 0; k < e.corners; ++k) ball.centre += x_[e.vertices[k]] / e.corners;
-  return ball;
+  return {middle(e, x_), common_to(e, u_), radius_of(e)};
 }
 
 double ElementSearch::radius_of(const Element& e) const {
@@ -243,6 +245,7 @@ void ElementSearch::receive_elements() {
       x_.push_back(s.x[k]);
       u_.push_back(s.u[k]);
     }
+    std::fill(element.vertices.begin() + element.corners, element.vertices.end(), element.vertices[0]);
     elements_.push_back(element);
     swept_.push_back(s.box);
     strays_.push_back({Vec3::Zero(), 0}); // their pairs are new each time

@@ -39,13 +39,12 @@ bool NormalCones::holds(const Pair& pair, const Approach& here, std::span<const 
   if (nearest.empty() || nearest.size() == 3) return true;
   place /= sum;
   const Vec3 outwards = sum < 0 ? here.normal : Vec3(-here.normal);
-  std::sort(nearest.begin(), nearest.end());
   const auto leads_outwards = [&](Local v) {
     const Vec3 inwards = field[first + v] - place;
     return outwards.dot(inwards) > rounding * inwards.norm();
   };
   if (nearest.size() == 1) return std::ranges::none_of(neighbours_[nearest[0]], leads_outwards);
-  const auto corners = opposite_.find({nearest[0], nearest[1]});
+  const auto corners = opposite_.find({std::min(nearest[0], nearest[1]), std::max(nearest[0], nearest[1])});
   return corners == opposite_.end() || std::ranges::none_of(corners->second, leads_outwards);
 }
 

@@ -104,10 +104,11 @@ void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
   } else if (o.plane) {
     planes_.push_back({add_vertex(body, o.plane->point), o.plane->normal.normalized(), body});
   } else if (o.sphere) {
-    elements_.push_back({{add_vertex(body, o.sphere->centre), -1, -1}, 1, 0b000001, std::int16_t(body)});
+    const Local c = add_vertex(body, o.sphere->centre);
+    elements_.push_back({{c, c, c}, 1, 0b000001, std::int16_t(body)});
   } else if (o.capsule) {
     const Local a = add_vertex(body, o.capsule->from), b = add_vertex(body, o.capsule->to);
-    elements_.push_back({{a, b, -1}, 2, 0b001011, std::int16_t(body)});
+    elements_.push_back({{a, b, a}, 2, 0b001011, std::int16_t(body)});
   } else if (o.box) {
     const Local first = vertices();
     for (int k = 0; k < 8; ++k)

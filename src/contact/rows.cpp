@@ -18,9 +18,11 @@ ContactKey key_of(const Pair& pair, const Approach& approach, std::span<const Gl
   boost::container::static_vector<Global, 3> a, b;
   const int split = pair.kind == PairKind::edge_edge ? 2 : 1;
   for (int i = 0; i < 4; ++i)
-    if (approach.weights[i] != 0) (i < split ? a : b).push_back(keys[pair.vertices[i]]);
-  std::sort(a.begin(), a.end());
-  std::sort(b.begin(), b.end());
+    if (approach.weights[i] != 0) {
+      auto& feature = i < split ? a : b;
+      const Global key = keys[pair.vertices[i]];
+      feature.insert(std::upper_bound(feature.begin(), feature.end(), key), key);
+    }
   if (std::pair(b.size(), b) < std::pair(a.size(), a)) std::swap(a, b);
   ContactKey key{-1, -1, -1, -1};
   std::copy(a.begin(), a.end(), key.begin());

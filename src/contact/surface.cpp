@@ -25,7 +25,7 @@ std::vector<Element> cut_into_elements(const DistributedMesh& mesh, std::vector<
     const auto& v = cell.vertices;
     const Global number = 2 * mesh.owned_cell_originals[c];
     if (cell.size() == 2)
-      elements.push_back({{v[0], v[1], -1}, 2, 0, -1});
+      elements.push_back({{v[0], v[1], v[0]}, 2, 0, -1});
     else
       elements.push_back({{v[0], v[1], v[2]}, 3, 0, -1});
     numbers.push_back(number);

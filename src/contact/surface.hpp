@@ -7,7 +7,7 @@ namespace taut {
 /// elements share are represented by one of them, so that every pair of features is met once [Curtis,
 /// Tamstorf, Manocha 2008, representative triangles].
 struct Element {
-  std::array<Local, 3> vertices; ///< of which the first `corners` count
+  std::array<Local, 3> vertices; ///< beyond `corners` the first again
   std::int8_t corners;
   std::uint8_t represents; ///< bit k: vertex k; bit 3 + k: edge k, from vertex k to the next
   std::int16_t body;       ///< -1 for cloth, otherwise the obstacle

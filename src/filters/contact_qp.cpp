@@ -59,8 +59,7 @@ void ContactQp::take_rows(std::span<const Contact> contacts, std::span<const Con
   Local last = -1;
   for (const ContactRow& row : rows) {
     const Contact& contact = contacts[row.contact];
-    if (std::exchange(last, row.contact) != row.contact)
-      add_block(contact);
+    if (std::exchange(last, row.contact) != row.contact) add_block(contact);
     ++blocks_.back().rows;
     directions_.push_back(row.direction);
     rhs_.push_back(row.missing);

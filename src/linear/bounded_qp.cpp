@@ -14,7 +14,8 @@ std::span<const double> view(const Array& a) { return {a.data(), std::size_t(a.s
 std::span<double> view(Array& a) { return {a.data(), std::size_t(a.size())}; }
 
 /// The state of an iteration. Proposals are what is taken from z. Entries without bounds come first and are
-/// kept out of what concerns bounds. Nothing here branches by entry: nobody could predict which are at bounds.
+/// kept out of what concerns bounds. Nothing here branches by entry: nobody could predict which are at
+/// bounds.
 class ProjectedGradients {
 public:
   ProjectedGradients(MPI_Comm comm, const BoundedQp& qp, std::vector<double>& z)
