@@ -41,9 +41,12 @@ struct Box {
     return true;
   }
   bool overlaps(const Box& other) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > other.high[k] || other.low[k] > high[k]) return false;
-    return true;
+    bool apart = false; // without branches, which nobody could predict
+    for (int k = 0; k < 3; ++k) {
+      apart |= low[k] > other.high[k];
+      apart |= other.low[k] > high[k];
+    }
+    return !apart;
   }
 
 private:

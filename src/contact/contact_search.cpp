@@ -151,9 +151,9 @@ void ContactSearch::look_at(std::span<const BoxPair> pairs, Near& near) const {
   near.spare.resize(pairs.size(), 0.0);
   near.held.resize(pairs.size(), 0);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    near.spare[k] -= elements_.strayed(pairs[k]);
-    if (near.spare[k] <= 0 && elements_.meets(pairs[k]))
-      near.spare[k] = meet(pairs[k], near.held[k], near.found);
+    double& spare = near.spare[k];
+    if (spare > 0) spare -= elements_.strayed(pairs[k]);
+    if (spare <= 0 && elements_.meets(pairs[k])) spare = meet(pairs[k], near.held[k], near.found);
   }
 }
 

@@ -13,7 +13,7 @@ constexpr double normal_compliance = 0.05, friction_compliance = 2e-3;
 } // namespace
 
 ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search)
-    : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned),
+    : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned), edge_shift_(edges_),
       edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
 QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> contacts,
@@ -22,6 +22,10 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> c
   z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
   tolerance_.assign(edges.tolerance.begin(), edges.tolerance.begin() + edges_);
+  for (std::size_t e = 0; e < edges_; ++e) {
+    const auto& [a, b] = cloth_.mesh.edge_vertices[e];
+    edge_shift_[e] = edges.inverse_mass[a] + edges.inverse_mass[b] == 0 ? 1.0 : edges.shift[e];
+  }
   take_rows(contacts, rows);
   yarns_.factor(edges.gradient, edges.inverse_mass, edges.freedom, edges.shift);
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
@@ -87,11 +91,16 @@ void ContactQp::spread(std::span<const double> z) {
       field_[part->vertex] += part->weight * force;
   }
   mesh.edge_halo.end_update(edge_values_);
-  search_.accumulate(field_);
-  for (Local i = 0; i < mesh.vertices.owned; ++i) {
-    const Vec3 pull = pull_at(mesh, *edge_equations_, edge_values_, i);
-    push_[i] = edge_equations_->inverse_mass[i] * edge_equations_->freedom.allowed(i, field_[i] - pull);
+  const Local own = mesh.vertices.owned; // these come first in contact fields too
+  for (std::size_t e = 0; e < edge_values_.size(); ++e) {
+    const auto& [a, b] = mesh.edge_vertices[e];
+    const Vec3 pull = edge_values_[e] * edge_equations_->gradient[e];
+    if (a < own) field_[a] += pull;
+    if (b < own) field_[b] -= pull;
   }
+  search_.accumulate(field_);
+  for (Local i = 0; i < own; ++i)
+    push_[i] = edge_equations_->inverse_mass[i] * edge_equations_->freedom.allowed(i, field_[i]);
   mesh.vertex_halo.update(push_);
 }
 
@@ -102,10 +111,7 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
   search_.update(field_);
   for (std::size_t e = 0; e < edges_; ++e) {
     const auto& [a, b] = mesh.edge_vertices[e];
-    const bool is_fixed = edge_equations_->inverse_mass[a] + edge_equations_->inverse_mass[b] == 0;
-    result[e] =
-        is_fixed ? z[e]
-                 : edge_equations_->shift[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
+    result[e] = edge_shift_[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
   }
   std::size_t k = 0; // row
   const Part* part = parts_.data();

@@ -1,5 +1,4 @@
 #pragma once
-#include "partition/distributed_mesh.hpp"
 #include "src/state/freedom.hpp"
 
 namespace taut {
@@ -14,13 +13,5 @@ struct EdgeEquations {
   std::span<const double> tolerance;    ///< of owned edges, what may be left of it
   std::span<const double> guess;        ///< of owned edges, the multipliers' increments
 };
-
-/// J' mu, the sum of what all edges pull at a vertex; `mu` of local edges.
-inline Vec3 pull_at(const DistributedMesh& mesh, const EdgeEquations& edges, std::span<const double> mu,
-                    Local vertex) {
-  Vec3 pull = Vec3::Zero();
-  for (const EdgeEnd& end : mesh.star_of(vertex)) pull += end.sign * mu[end.edge] * edges.gradient[end.edge];
-  return pull;
-}
 
 } // namespace taut
