@@ -68,10 +68,9 @@ T read_number(hid_t attribute) {
 
 H5Reader::H5Reader(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
   h5::silence();
-  broadcast(comm_, [&] { // said plainly, before MPI-IO says it in its own way
+  on_rank_0(comm_, [&] { // said plainly, before MPI-IO says it in its own way
     if (!std::ifstream(path_))
       throw InputError(fmt::format("{}: no such file, or it may not be read", path_.string()));
-    return std::string();
   });
   h5::collectively(comm_, fmt::format("{}: cannot be opened as HDF5", path_.string()), cure, [&] {
     const H5Handle access = h5::shared_access(comm_);

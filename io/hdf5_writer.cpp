@@ -66,9 +66,8 @@ H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(
   h5::silence();
   const std::string subject = fmt::format("{}: cannot be created", path_.string());
   try {
-    broadcast(comm_, [&] {
+    on_rank_0(comm_, [&] {
       h5::collectively(MPI_COMM_SELF, subject, cure, [&] { begin_part(path_, file_without_datasets()); });
-      return std::string();
     });
     set_aside(0);
     h5::collectively(comm_, subject, cure, [&] {
@@ -128,10 +127,7 @@ void H5Writer::set_aside(Global more) {
   needed_ += more + own_needs;
   if (needed_ <= room_) return;
   const Global end = needed_ + std::min(needed_, most_ahead);
-  broadcast(comm_, [&] {
-    reserve(path_, room_, end);
-    return std::string();
-  });
+  on_rank_0(comm_, [&] { reserve(path_, room_, end); });
   room_ = end;
 }
 
@@ -167,10 +163,7 @@ void H5Writer::close(Outlives outlives) {
   try {
     h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
                      [&] { close_file(); });
-    broadcast(comm_, [&] {
-      publish(path_, outlives);
-      return std::string();
-    });
+    on_rank_0(comm_, [&] { publish(path_, outlives); });
   } catch (const InputError&) {
     remove_on_rank_0(comm_, part_of(path_));
     throw;

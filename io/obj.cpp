@@ -32,10 +32,9 @@ std::string read_text(const fs::path& path) {
 template<class Check>
 ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Check&& check) {
   ObjFile file;
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     file = parse_obj(read_text(path), path.string());
     check(file);
-    return std::string();
   });
   for (Vec3& position : file.positions) position *= scale;
   return file;

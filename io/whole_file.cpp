@@ -87,7 +87,7 @@ void publish(const fs::path& path, Outlives outlives) {
 }
 
 void make_lasting(MPI_Comm comm, std::span<const fs::path> files) {
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     for (const fs::path& path : files) {
       const Descriptor file(path, O_RDONLY);
       if (file.get() >= 0) flush(file, path);
@@ -95,12 +95,11 @@ void make_lasting(MPI_Comm comm, std::span<const fs::path> files) {
     std::set<fs::path> folders;
     for (const fs::path& path : files)
       if (folders.insert(path.parent_path()).second) flush_name(path);
-    return std::string();
   });
 }
 
 void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text, Outlives outlives) {
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     try {
       begin_part(path, text);
       publish(path, outlives);
@@ -109,7 +108,6 @@ void write_text_whole(MPI_Comm comm, const fs::path& path, std::string_view text
       fs::remove(part_of(path), ignored);
       throw;
     }
-    return std::string();
   });
 }
 

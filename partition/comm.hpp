@@ -34,20 +34,26 @@ std::string broadcast_text(MPI_Comm comm, const std::string& text, int root = 0)
 /// Throws the same `InputError` on every rank if any rank holds a message; the lowest such rank speaks.
 void agree(MPI_Comm comm, const std::optional<std::string>& error);
 
-/// Runs `function` on rank 0 only and shares the outcome: its text, or its `InputError`, reaches all ranks.
-/// The one way to do something on a single rank that may fail.
+/// Runs `function` on rank 0 only; its `InputError` reaches all ranks. Others wait until it has ended. The
+/// one way to do something on a single rank that may fail.
 template<class Function>
-std::string broadcast(MPI_Comm comm, Function&& function) {
+void on_rank_0(MPI_Comm comm, Function&& function) {
   std::optional<std::string> error;
-  std::string text;
   if (rank_of(comm) == 0) {
     try {
-      text = std::forward<Function>(function)();
+      std::forward<Function>(function)();
     } catch (const InputError& e) {
       error = e.what();
     }
   }
   agree(comm, error);
+}
+
+/// The text that `function` returns on rank 0, or its `InputError`, on all ranks.
+template<class Function>
+std::string broadcast(MPI_Comm comm, Function&& function) {
+  std::string text;
+  on_rank_0(comm, [&] { text = std::forward<Function>(function)(); });
   return broadcast_text(comm, text);
 }
 

@@ -77,10 +77,7 @@ std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   degrees = gather(comm, degrees);
   neighbours = gather(comm, neighbours);
   std::vector<idx_t> owner;
-  broadcast(comm, [&] {
-    owner = metis_k_way(degrees, neighbours, parts);
-    return std::string();
-  });
+  on_rank_0(comm, [&] { owner = metis_k_way(degrees, neighbours, parts); });
   return scatter(comm, mesh.vertices, owner);
 }
 

@@ -97,13 +97,12 @@ public:
   VShape(int links, double length, double span) : file_(std::filesystem::temp_directory_path() / name()) {
     const double l = length / links, half_span = span / 2,
                  depth = std::sqrt(length * length / 4 - half_span * half_span);
-    broadcast(world, [&] {
+    on_rank_0(world, [&] {
       std::ofstream out(file_);
       for (int i = 0; i <= links; ++i)
         out << fmt::format("v {:.17g} 0 {:.17g}\n", i * l * half_span / (length / 2),
                            -depth * (1 - std::abs(2.0 * i / links - 1)));
       for (int i = 1; i <= links; ++i) out << fmt::format("l {} {}\n", i, i + 1);
-      return std::string();
     });
   }
   ~VShape() {

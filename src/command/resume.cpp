@@ -143,11 +143,10 @@ Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
 }
 
 void check_folder(MPI_Comm comm, const fs::path& folder) {
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     if (!fs::is_regular_file(folder / "case.yaml"))
       throw InputError(fmt::format("{}: holds no run (no case.yaml); start one with taut run CASE --out {}",
                                    folder.string(), folder.string()));
-    return std::string();
   });
 }
 

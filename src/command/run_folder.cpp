@@ -46,13 +46,12 @@ void remove_run(const fs::path& out) {
 /// Runs `change` on rank 0.
 template<class Change>
 void on_disk(MPI_Comm comm, const fs::path& out, const char* cure, Change&& change) {
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     try {
       change();
     } catch (const fs::filesystem_error& e) {
       throw InputError(fmt::format("{}: cannot be written: {}; {}", out.string(), e.code().message(), cure));
     }
-    return std::string();
   });
 }
 

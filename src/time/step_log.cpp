@@ -90,10 +90,9 @@ StepLog::StepLog(MPI_Comm comm, std::filesystem::path file, const std::vector<st
     if (last_step > 0) text += rows_so_far(in, columns, last_step);
   }
   write_text_whole(comm, file_, text);
-  broadcast(comm, [&] {
+  on_rank_0(comm, [&] {
     out_.open(file_, std::ios::app);
     if (!out_) throw InputError(cannot_be_written(file_));
-    return std::string();
   });
 }
 
