@@ -97,19 +97,19 @@ void for_each_feature_pair(const Element& a, const Element& b, const Shared& sha
   }
 }
 
-/// The pairs by their vertices, places in fields of this size, however they were found.
-std::vector<Pair> in_order(std::span<const Pair> pairs, Local size) {
+/// Puts pairs in the order of their vertices, places in fields of this size, however they were found.
+void put_in_order(std::span<Pair> pairs, std::size_t size) {
   std::vector<std::size_t> begin(size + 1, 0); // of those with each first vertex
   for (const Pair& p : pairs) ++begin[p.vertices[0] + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Pair> ordered(pairs.size());
   std::vector<std::size_t> end = begin;
   for (const Pair& p : pairs) ordered[end[p.vertices[0]]++] = p;
-  for (Local v = 0; v < size; ++v)
+  for (std::size_t v = 0; v < size; ++v)
     std::sort(ordered.begin() + begin[v], ordered.begin() + end[v], [](const Pair& a, const Pair& b) {
       return std::tie(a.vertices, a.kind) < std::tie(b.vertices, b.kind);
     });
-  return ordered;
+  std::copy(ordered.begin(), ordered.end(), pairs.begin());
 }
 
 } // namespace
@@ -129,20 +129,23 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
 
 bool ContactSearch::follow(const Motion& motion) {
   elements_.follow(motion);
-  const std::size_t before = near_.found.size();
+  kept_ = near_.found.size();
   const bool was_across = !across_.found.empty();
   look();
-  const bool is_other = near_.found.size() > before || was_across || !across_.found.empty();
+  const bool is_other = near_.found.size() > kept_ || was_across || !across_.found.empty();
   if (!any_of(cloth_.mesh.comm, is_other)) return false;
   place_in_fields();
   return true;
 }
 
 void ContactSearch::look() {
+  const std::size_t before = near_.found.size(), fields = elements_.vertices().size();
   look_at(elements_.pairs(), near_);
+  look_at_planes();
+  put_in_order(std::span(near_.found).subspan(before), fields);
   across_ = {};
   look_at(elements_.pairs_across(), across_);
-  look_at_planes();
+  put_in_order(across_.found, fields);
 }
 
 /// Which pairs of elements there are depends on motions before the last `find` too, but those that boxes as
@@ -263,7 +266,6 @@ void ContactSearch::place_in_fields() {
     wanted.push_back(g.place);
     owners.push_back(g.owner);
   }
-  pairs_ = in_order(pairs_, size());
   const auto asked = exchange(comm, wanted, owners);
   for (int r = 0; r < size_of(comm); ++r)
     askers.insert(askers.end(), std::size_t(asked.offsets[r + 1] - asked.offsets[r]), r);

@@ -25,6 +25,9 @@ public:
   /// Collective.
   bool follow(const Motion& motion);
 
+  /// So many leading pairs were there before the last `follow`, in the same order.
+  std::size_t kept() const { return kept_; }
+
   std::span<const Pair> pairs() const { return pairs_; }
 
   /// A number for each place of a contact field that does not depend on the partition; of a cloth vertex, its
@@ -70,7 +73,8 @@ private:
   ElementSearch elements_;
   Local own_, obstacle_count_;
   double reach_ = 0;
-  Near near_, across_;           ///< of this rank, and with elements of others
+  Near near_, across_; ///< of this rank, and with elements of others
+  std::size_t kept_ = 0;
   std::vector<bool> plane_held_; ///< for every plane and own vertex
   std::vector<Pair> pairs_;      ///< all found, as places in contact fields
   std::vector<Global> keys_;

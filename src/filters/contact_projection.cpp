@@ -64,7 +64,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
     search_.find(motion(), thickness_.largest_near(), slack * thickness_.largest());
-    take_pairs();
+    take_pairs(0);
   });
   for (iteration_ = 1;; ++iteration_) {
     make_rows();
@@ -83,7 +83,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     if (!report.failure.empty()) break;
     double alpha = 1;
     timed([&] {
-      if (search_.follow(motion())) take_pairs();
+      if (search_.follow(motion())) take_pairs(search_.kept());
       alpha = step_length();
     });
     advance_safe(alpha);
@@ -95,7 +95,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
                       reached, limits_.strain, iteration_, what_stopped());
       break;
     }
-    if (alpha < 1) timed([&] { look(); });
+    timed([&] { look(0); });
     const double was_behind = std::exchange(behind, distance_behind());
     if (alpha < 1 && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
   }
@@ -143,19 +143,21 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
     mu_[e] = 0.5 * candidate.force_density[e] * cloth_.rest_length[e] * dt * dt;
 }
 
-void ContactProjection::take_pairs() {
+/// Of which the first `known` were there when last looked at.
+void ContactProjection::take_pairs(std::size_t known) {
   search_.gather(start_.cloth, start_.obstacles, start_field_);
   mobility_.assign(search_.size(), Vec3::Zero());
   for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
   search_.update(mobility_);
-  look();
+  look(known);
 }
 
-/// Distances and directions of all pairs at the safe iterate.
-void ContactProjection::look() {
+/// Distances and directions at the safe iterate, of all pairs but the first `known`.
+void ContactProjection::look(std::size_t known) {
   search_.gather(safe_.cloth, safe_.obstacles, safe_field_);
-  approaches_.clear();
-  for (const Pair& pair : search_.pairs()) approaches_.push_back(approach(pair, at(pair, safe_field_)));
+  approaches_.resize(known);
+  for (const Pair& pair : search_.pairs().subspan(known))
+    approaches_.push_back(approach(pair, at(pair, safe_field_)));
 }
 
 /// Gradients and right-hand side of the edges at the target; returns the largest |strain| there.

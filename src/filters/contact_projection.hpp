@@ -56,8 +56,8 @@ private:
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   Motion motion() const { return {safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}; }
-  void take_pairs();
-  void look();
+  void take_pairs(std::size_t known);
+  void look(std::size_t known);
   double strain_at_target(const Freedom& freedom);
   ContactEntry entry_of(const Touch& touch) const;
   void note_contact_forces(Candidate& candidate);
