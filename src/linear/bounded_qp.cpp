@@ -51,7 +51,8 @@ private:
     return entries.head(free_);
   }
 
-  /// The part of a direction that does not leave the bounds entries are at.
+  /// The part of a direction that does not leave the bounds entries are at. (z - bound) huge is 0 at the
+  /// bound, and elsewhere too large to limit anything.
   template<class T>
   auto kept(const T& direction) const {
     constexpr double huge = 1e300;
