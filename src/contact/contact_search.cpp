@@ -48,7 +48,10 @@ struct Shared {
          const std::array<Global, 3>& keys_b) {
     for (int i = 0; i < a.corners; ++i)
       for (int j = 0; j < b.corners; ++j)
-        if ((same[i][j] = keys_a[i] == keys_b[j])) ++count, k = i, l = j;
+        if (keys_a[i] == keys_b[j]) {
+          same[i][j] = true;
+          ++count, k = i, l = j;
+        }
   }
 };
 
@@ -99,6 +102,7 @@ void for_each_feature_pair(const Element& a, const Element& b, const Shared& sha
 
 /// Puts pairs in the order of their vertices, places in fields of this size, however they were found.
 void put_in_order(std::span<Pair> pairs, std::size_t size) {
+  if (pairs.empty()) return;                   // as on one rank across ranks, and often within a step
   std::vector<std::size_t> begin(size + 1, 0); // of those with each first vertex
   for (const Pair& p : pairs) ++begin[p.vertices[0] + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
