@@ -48,7 +48,7 @@ TEST(BoundedQp, SatisfiesItsOptimalityConditions) {
                        lower,
                        upper,
                        tolerance};
-    const QpReport report = solve(world, qp, 20000, z);
+    const QpReport report = solve(world, qp, {20000}, z);
     EXPECT_TRUE(report.solved);
     const Column gradient = a * everywhere(z) - rhs;
     for (int i = 0; i < part; ++i) {
@@ -81,7 +81,7 @@ TEST(BoundedQp, WithoutBoundsEndsAsConjugateGradientsDo) {
       {},
       {},
       tolerance};
-  const QpReport report = solve(world, qp, 100, z);
+  const QpReport report = solve(world, qp, {100}, z);
   EXPECT_TRUE(report.solved);
   EXPECT_LE(report.products, 7);
 }

@@ -14,14 +14,16 @@ namespace taut {
 
 namespace {
 
-/// In one program; what is left waits for the next iteration. While the largest strain is `far` limits, the
-/// edges' curvature leaves more of it than so few products do.
-constexpr int most_products = 40, most_products_far = 20;
+constexpr double strain_left = 0.2; ///< of the limit, by a program
+
+/// Of a program; what is left waits for the next iteration. While the largest strain is `far` limits, the
+/// edges' curvature leaves more of it than so few products do. Nearer, the step is done if no edge is left
+/// beyond the limit.
+constexpr QpEffort effort_far{20}, effort_near{40, 80, 0.8 / strain_left};
 constexpr double far = 10.0;
 
-constexpr double strain_left = 0.2; ///< of the limit, by a program
-constexpr double slack = 1.0;       ///< of the thickness: how far cloth may stray before a search is extended
-constexpr int patience = 6;         ///< iterations until stuck vertices are let go
+constexpr double slack = 1.0; ///< of the thickness: how far cloth may stray before a search is extended
+constexpr int patience = 6;   ///< iterations until stuck vertices are let go
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
 /// something strikes hard does not soften the edges.
@@ -199,8 +201,8 @@ void ContactProjection::project(double strain, FilterReport& report) {
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
     const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
-    const int products = strain > far * limits_.strain ? most_products_far : most_products;
-    report.linear_iterations += qp_.solve(edges, contacts_, rows_, products).products;
+    const QpEffort& effort = strain > far * limits_.strain ? effort_far : effort_near;
+    report.linear_iterations += qp_.solve(edges, contacts_, rows_, effort).products;
     const auto push = qp_.push();
     for (std::size_t i = 0; i < push.size(); ++i) target_.cloth[i] += push[i];
     std::copy(qp_.edge_part().begin(), qp_.edge_part().end(), change_.begin());

@@ -17,7 +17,7 @@ ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search)
       edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
 QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> contacts,
-                          std::span<const ContactRow> rows, int most_products) {
+                          std::span<const ContactRow> rows, const QpEffort& effort) {
   edge_equations_ = &edges;
   z_.assign(edges.guess.begin(), edges.guess.begin() + edges_);
   rhs_.assign(edges.residual.begin(), edges.residual.begin() + edges_);
@@ -35,7 +35,7 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> c
                      lower_,
                      upper_,
                      tolerance_};
-  const QpReport report = taut::solve(cloth_.mesh.comm, qp, most_products, z_);
+  const QpReport report = taut::solve(cloth_.mesh.comm, qp, effort, z_);
   spread(z_);
   return report;
 }

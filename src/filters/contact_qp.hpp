@@ -21,7 +21,7 @@ public:
 
   /// Multipliers' increments of [owned edges; rows]; rows of one contact stand together. Collective.
   QpReport solve(const EdgeEquations& edges, std::span<const Contact> contacts,
-                 std::span<const ContactRow> rows, int most_products);
+                 std::span<const ContactRow> rows, const QpEffort& effort);
 
   std::span<const double> edge_part() const { return {z_.data(), edges_}; }
   std::span<const double> row_part() const { return {z_.data() + edges_, z_.size() - edges_}; }

@@ -190,7 +190,7 @@ void ImpulseContact::part_all(const Zone& zone) {
     for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].mobility;
   };
   solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, missing, 0, lower, upper, tolerance},
-        most_products, sizes);
+        {most_products}, sizes);
   spread(impacts, sizes);
 }
 

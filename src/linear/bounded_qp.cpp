@@ -18,11 +18,11 @@ std::span<double> view(Array& a) { return {a.data(), std::size_t(a.size())}; }
 /// bounds.
 class ProjectedGradients {
 public:
-  ProjectedGradients(MPI_Comm comm, const BoundedQp& qp, std::vector<double>& z)
-      : comm_(comm), qp_(qp), size_(Eigen::Index(z.size())), free_(Eigen::Index(qp.unbounded)),
-        lower_(qp.lower.data(), size_ - free_), upper_(qp.upper.data(), size_ - free_), z_(z.data(), size_),
-        gradient_(size_), slope_(size_), steepest_(size_), moved_(Array::Zero(size_)),
-        a_moved_(Array::Zero(size_)), wanted_(size_ - free_),
+  ProjectedGradients(MPI_Comm comm, const BoundedQp& qp, const QpEffort& effort, std::vector<double>& z)
+      : comm_(comm), qp_(qp), effort_(effort), size_(Eigen::Index(z.size())),
+        free_(Eigen::Index(qp.unbounded)), lower_(qp.lower.data(), size_ - free_),
+        upper_(qp.upper.data(), size_ - free_), z_(z.data(), size_), gradient_(size_), slope_(size_),
+        steepest_(size_), moved_(Array::Zero(size_)), a_moved_(Array::Zero(size_)), wanted_(size_ - free_),
         per_tolerance_(1.0 / Eigen::Map<const Array>(qp.tolerance.data(), size_)) {
     z_.tail(size_ - free_) = z_.tail(size_ - free_).max(lower_).min(upper_);
     multiply(z, view(gradient_));
@@ -30,8 +30,8 @@ public:
     evaluate();
   }
 
-  QpReport run(int most_products) {
-    while (report_.products < most_products && !report_.solved) {
+  QpReport run() {
+    while (!report_.solved && report_.products < (is_good_ ? effort_.products : effort_.most_products)) {
       propose();
       if (move())
         evaluate();
@@ -57,6 +57,11 @@ private:
   auto kept(const T& direction) const {
     constexpr double huge = 1e300;
     return direction.max((bounded(z_) - upper_) * huge).min((bounded(z_) - lower_) * huge);
+  }
+
+  template<class T>
+  static double largest(const T& entries) {
+    return entries.size() > 0 ? entries.maxCoeff() : 0.0;
   }
 
   void multiply(std::span<const double> x, std::span<double> y) {
@@ -109,16 +114,21 @@ private:
   void evaluate() {
     unbounded(slope_) = unbounded(gradient_);
     bounded(slope_) = kept(bounded(gradient_));
-    const bool is_left = size_ > 0 && !((slope_.abs() * per_tolerance_).maxCoeff() <= 1.0);
+    const double equations_left = largest(unbounded(slope_).abs() * unbounded(per_tolerance_));
+    const double rest_left = largest(bounded(slope_).abs() * bounded(per_tolerance_));
+    const bool is_solved = equations_left <= 1.0 && rest_left <= 1.0;
     qp_.precondition(view(std::as_const(slope_)), view(steepest_));
-    double sums[] = {(steepest_ * a_moved_).sum(), is_left ? 1.0 : 0.0};
+    double sums[] = {(steepest_ * a_moved_).sum(), is_solved ? 0.0 : 1.0,
+                     equations_left <= effort_.good_enough ? 0.0 : 1.0};
     sum_in_place(comm_, sums);
     beta_ = curvature_ > 0 ? sums[0] / curvature_ : 0.0;
     report_.solved = sums[1] == 0;
+    is_good_ = sums[2] == 0;
   }
 
   MPI_Comm comm_;
   const BoundedQp& qp_;
+  const QpEffort& effort_;
   Eigen::Index size_, free_;
   Eigen::Map<const Array> lower_, upper_;
   Eigen::Map<Array> z_;
@@ -127,14 +137,14 @@ private:
   Array per_tolerance_;
   double length_ = 1, beta_ = 0;
   double curvature_ = 0; ///< moved' A moved, over all ranks
-  bool meets_bound_ = false;
+  bool meets_bound_ = false, is_good_ = false;
   QpReport report_;
 };
 
 } // namespace
 
-QpReport solve(MPI_Comm comm, const BoundedQp& qp, int most_products, std::vector<double>& z) {
-  return ProjectedGradients(comm, qp, z).run(most_products);
+QpReport solve(MPI_Comm comm, const BoundedQp& qp, const QpEffort& effort, std::vector<double>& z) {
+  return ProjectedGradients(comm, qp, effort, z).run();
 }
 
 } // namespace taut

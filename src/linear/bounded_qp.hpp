@@ -17,6 +17,14 @@ struct BoundedQp {
   std::span<const double> tolerance;    ///< what the projected gradient may leave of each entry
 };
 
+/// When a program ends that is not solved. What conjugate gradients leave rises and falls from iteration to
+/// iteration, so it pays to wait for a good moment.
+struct QpEffort {
+  int products;                 ///< fewest
+  int most_products = products; ///< reached while an entry without bounds is not good enough
+  double good_enough = 1;       ///< so many tolerances it may leave
+};
+
 struct QpReport {
   int products = 0;    ///< with A
   bool solved = false; ///< to the tolerance; otherwise the products ran out
@@ -30,6 +38,6 @@ struct QpReport {
 /// starts its conjugate gradients anew whenever a bound is met, needs about three times the products here.)
 ///
 /// `z` is the result; its values on entry are where it starts. Collective.
-QpReport solve(MPI_Comm comm, const BoundedQp& qp, int most_products, std::vector<double>& z);
+QpReport solve(MPI_Comm comm, const BoundedQp& qp, const QpEffort& effort, std::vector<double>& z);
 
 } // namespace taut
