@@ -218,6 +218,18 @@ TEST(StepSize, KnowsTheFrameAfterATime) {
   }
 }
 
+TEST(StepSize, TakesNoTinyLastStep) {
+  for (const double end : {0.5, 0.5 + 1e-6, 0.5 + 4e-4}) {
+    const StepSize steps({.end = end, .frame_rate = 30, .max_step = 5e-3});
+    EXPECT_EQ(steps.frames(), 15);
+    EXPECT_EQ(steps.frame_time(14), 14.0 / 30);
+    EXPECT_EQ(steps.frame_time(15), end);
+  }
+  const StepSize steps({.end = 0.502, .frame_rate = 30, .max_step = 5e-3});
+  EXPECT_EQ(steps.frames(), 16);
+  EXPECT_EQ(steps.frame_time(15), 0.5);
+}
+
 TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
   const Folder folder;
   State state;

@@ -201,6 +201,23 @@ TEST(ContactProjection, FallsAlikeAtAnyNumberOfRanksUntilItTouches) {
   EXPECT_LT((run(world) - run(self)).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+// What the last step left of strain and overlap is corrected over some time, not at once.
+TEST(ContactProjection, IsNotShakenByStepsThatAreSuddenlyShort) {
+  Case input = case_of(heap);
+  input.time.end = 0.3;
+  Simulation simulation(world, input);
+  Recorder before(simulation);
+  run_to_the_end(simulation, before);
+  input.time.end = 0.30002;
+  Simulation shorter(world, input);
+  shorter.go_on_from(simulation.state(), {.step = 1e-5}, 0);
+  Recorder after(shorter);
+  run_to_the_end(shorter, after);
+  ASSERT_EQ(after.records.size(), 2u);
+  EXPECT_GT(after.records.back().contacts, 100);
+  EXPECT_NEAR(after.records.back().energies.kinetic / before.records.back().energies.kinetic, 1.0, 0.05);
+}
+
 TEST(ContactProjection, NamesAPinThatDragsClothThroughAnObstacle) {
   const Case input = case_of(
       "cloth: {grid: {size: [0.1, 0.1], vertices: [5, 5]}, start: {translate: [0, 0, 0.05]}}\n"
@@ -214,6 +231,19 @@ TEST(ContactProjection, NamesAPinThatDragsClothThroughAnObstacle) {
   const Outcome outcome = simulation.run(observers);
   EXPECT_FALSE(outcome.completed());
   EXPECT_THAT(outcome.reason, HasSubstr("table"));
+}
+
+TEST(ContactProjection, RefusesPredictionsThatTearTheMesh) {
+  Case input = case_of(std::string(patch) +
+                       "pins: [{vertices: [0], motion: [{time: 0}, {time: 0.01, translate: [0, 0, 1000]}]}]\n"
+                       "contact: {thickness: 0.001}\n");
+  input.time.min_step = 4e-3; // shorter ones only fail to project
+  Simulation simulation(world, input);
+  Recorder record(simulation);
+  Observer* const observers[] = {&record};
+  const Outcome outcome = simulation.run(observers);
+  EXPECT_FALSE(outcome.completed());
+  EXPECT_THAT(outcome.reason, HasSubstr("without projection edges would strain by"));
 }
 
 TEST(ContactProjection, RefusesThicknessBeyondTheMesh) {

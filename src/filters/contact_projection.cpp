@@ -24,6 +24,13 @@ constexpr double far = 10.0;
 
 constexpr double slack = 1.0; ///< of the thickness: how far cloth may stray before a search is extended
 constexpr int patience = 6;   ///< iterations until stuck vertices are let go
+constexpr double most_strain =
+    30; ///< of a prediction; nothing comes of longer ones, nor could they be searched
+
+/// Of the longest step: the time in which what strain and overlap a step leaves are corrected. Within a much
+/// shorter step that would throw the cloth about.
+constexpr double settling = 0.25;
+constexpr double most_inherited = 0.8; ///< of the limit
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
 /// something strikes hard does not soften the edges.
@@ -48,10 +55,10 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
       contact_(input.contact.value_or(config::Contact{})), obstacles_(obstacles), search_(cloth, obstacles_),
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
       cones_(obstacles), compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
-      gradient_(cloth.mesh.edges.size()), inverse_mass_(cloth.mesh.vertices.size()),
-      shift_(cloth.mesh.edges.owned), residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned),
-      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()),
-      guess_(cloth.mesh.edges.owned) {}
+      settling_time_(settling * input.time.max_step), gradient_(cloth.mesh.edges.size()),
+      inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
+      residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {}
 
 FilterReport ContactProjection::apply(const State& start, double dt, const Freedom& freedom,
                                       Candidate& candidate) {
@@ -63,6 +70,10 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     report.contact_seconds += MPI_Wtime() - began;
   };
   begin(start, dt, freedom, candidate);
+  if (const double strain = measure_strain(cloth_, target_.cloth).max; !(strain <= most_strain)) {
+    report.failure = fmt::format("without projection edges would strain by {:.3g}", strain);
+    return report;
+  }
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
     search_.find(motion(), thickness_.largest_near(), slack * thickness_.largest());
@@ -118,6 +129,7 @@ void ContactProjection::propose(Candidate& candidate) const {
 void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
                               const Candidate& candidate) {
   dt_ = dt;
+  inherited_ = std::max(0.0, 1 - dt / settling_time_);
   fall_ = gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * dt * dt) : thickness_.smallest();
   for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
@@ -175,12 +187,21 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
     const double length = d.norm();
     // |d|^2 / l - l [G07]; under contact what moves the edge to its length if it keeps its direction, which
     // leaves only the turning of edges to further iterations
-    const double value = contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l);
+    const double value =
+        contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l - stretch_to_leave(e));
     residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - shift_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
   return max_over(mesh.comm, max);
+}
+
+/// m, of what the last step left.
+double ContactProjection::stretch_to_leave(Local edge) const {
+  if (inherited_ == 0) return 0;
+  const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
+  const double l = cloth_.rest_length[edge], most = most_inherited * limits_.strain * l;
+  return inherited_ * std::clamp((start_.cloth[b] - start_.cloth[a]).norm() - l, -most, most);
 }
 
 /// Moves the target to where edges and contacts want it.

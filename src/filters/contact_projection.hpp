@@ -59,6 +59,7 @@ private:
   void take_pairs(std::size_t known);
   void look(std::size_t known);
   double strain_at_target(const Freedom& freedom);
+  double stretch_to_leave(Local edge) const;
   ContactEntry entry_of(const Touch& touch) const;
   void note_contact_forces(Candidate& candidate);
   ContactMemory pressed_contacts() const;
@@ -66,7 +67,8 @@ private:
   void recall_contacts();
   void find_contacts();
   void leave_each_once();
-  double gap_ahead(const Pair& pair, const Approach& here) const;
+  double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
+  double gap_wanted(const Pair& pair, const Approach& here) const;
   void add_contact(const Pair& pair, const Approach& here);
   void add_corners(const Pair& pair, const Approach& here);
   void add_normal_row(Local contact);
@@ -90,11 +92,13 @@ private:
   ContactQp qp_;
   Thickness thickness_;
   NormalCones cones_;
-  double compliance_, gravity_;
+  double compliance_, gravity_, settling_time_;
 
   // of the step in hand
   double dt_ = 0;
   const Freedom* freedom_ = nullptr;
+  double inherited_ =
+      0;            ///< part of what the last step left of strain and overlap that this one may leave too
   double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
   int iteration_ = 0;
   Global contact_count_ = 0; ///< over all ranks

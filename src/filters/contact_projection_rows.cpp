@@ -90,18 +90,24 @@ void ContactProjection::leave_each_once() {
   contacts_ = std::move(once);
 }
 
-/// The gap at the target, as far as the features keep their direction.
-double ContactProjection::gap_ahead(const Pair& pair, const Approach& here) const {
-  Vec3 ahead = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) ahead += here.weights[i] * target_field_[pair.vertices[i]];
-  return here.normal.dot(ahead) - pair.radius;
+/// The gap at other positions, as far as the features keep their direction.
+double ContactProjection::gap_along(const Pair& pair, const Approach& here,
+                                    std::span<const Vec3> field) const {
+  Vec3 between = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) between += here.weights[i] * field[pair.vertices[i]];
+  return here.normal.dot(between) - pair.radius;
+}
+
+double ContactProjection::gap_wanted(const Pair& pair, const Approach& here) const {
+  const double thickness = thickness_.of(pair, search_.keys());
+  if (inherited_ == 0) return thickness;
+  return thickness - inherited_ * std::max(0.0, thickness - gap_along(pair, here, start_field_));
 }
 
 /// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
 /// but friction then chatters: the capstan's force comes out half as large again.)
 void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
-  const double thickness = thickness_.of(pair, search_.keys());
-  const double gap = gap_ahead(pair, here);
+  const double gap = gap_along(pair, here, target_field_);
   const bool is_near = std::min(gap, here.gap) < thickness_.near(pair, search_.keys());
   if (!is_near && blocked_.empty()) return;
   const bool inside =
@@ -113,7 +119,7 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
   double mobility = 0;
   for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
   if (mobility == 0) return; // nothing here can be moved
-  contacts_.push_back({pair.vertices, here.weights, here.normal, mobility, thickness - gap,
+  contacts_.push_back({pair.vertices, here.weights, here.normal, mobility, gap_wanted(pair, here) - gap,
                        key_of(pair, here, search_.keys()), friction_of(pair, obstacles_, contact_),
                        pair.body});
 }
@@ -128,7 +134,7 @@ void ContactProjection::add_corners(const Pair& pair, const Approach& here) {
     corner.kind = PairKind::vertex_edge; // an edge of no length
     std::fill(corner.vertices.begin() + 1, corner.vertices.end(), pair.vertices[i]);
     const Approach alone = approach(corner, at(corner, safe_field_));
-    const double gap = std::min(alone.gap, gap_ahead(corner, alone));
+    const double gap = std::min(alone.gap, gap_along(corner, alone, target_field_));
     if (gap < thickness_.of(pair, search_.keys())) add_contact(corner, alone);
   }
 }

@@ -7,15 +7,18 @@ namespace taut {
 
 namespace {
 constexpr double round_off = 1e-9; ///< relative; a step this much too long is not worth another step
+constexpr double sliver =
+    0.1; ///< of the longest step; if the end comes so soon after a frame, the frame waits
 constexpr int longest_patience = 40;
 } // namespace
 
 Global StepSize::frames() const {
-  return std::max<Global>(1, Global(std::ceil(time_.end * time_.frame_rate * (1 - round_off))));
+  const double short_of_a_frame = sliver * std::min(time_.max_step * time_.frame_rate, 1.0);
+  return std::max<Global>(1, Global(std::ceil(time_.end * time_.frame_rate - short_of_a_frame)));
 }
 
 double StepSize::frame_time(Global frame) const {
-  return std::min(double(frame) / time_.frame_rate, time_.end);
+  return frame < frames() ? double(frame) / time_.frame_rate : time_.end;
 }
 
 Global StepSize::frame_after(double time) const {

@@ -3,7 +3,9 @@
 
 namespace taut {
 
-/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames; halved
+/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames, the
+/// last of which is at the end of the run (a step that is tiny beside the others would shake the cloth: it
+/// corrects in no time what strain the one before left); halved
 /// after a rejected step, doubled again after a few accepted ones [BW98 section 6: after a doubling that
 /// failed, wait longer before the next].
 class StepSize {
