@@ -14,7 +14,7 @@ void describe(V& v, Is<Time> auto& t) {
     {.meaning = "time stepping: first order, second order, or first order with loads taken explicitly"});
   v("end", t.end, {.unit = Unit::second, .range = positive, .meaning = "simulated time to run"});
   v("frame_rate", t.frame_rate,
-    {.unit = Unit::hertz, .range = positive, .meaning = "frames written per second"});
+    {.unit = Unit::hertz, .range = positive, .meaning = "frames written per second, and one at the end"});
   v("max_step", t.max_step, {.unit = Unit::second, .range = positive, .meaning = "longest time step"});
   v("min_step", t.min_step,
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});
