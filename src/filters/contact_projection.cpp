@@ -22,10 +22,9 @@ constexpr double strain_left = 0.2; ///< of the limit, by a program
 constexpr QpEffort effort_far{20}, effort_near{40, 80, 0.8 / strain_left};
 constexpr double far = 10.0;
 
-constexpr double slack = 1.0; ///< of the thickness: how far cloth may stray before a search is extended
-constexpr int patience = 6;   ///< iterations until stuck vertices are let go
-constexpr double most_strain =
-    30; ///< of a prediction; nothing comes of longer ones, nor could they be searched
+constexpr double slack = 1.0;      ///< of the thickness: how far cloth may stray before a search is extended
+constexpr int patience = 6;        ///< iterations until stuck vertices are let go
+constexpr double most_strain = 30; ///< of a prediction; what moves farther could not be searched
 
 /// Of the longest step: the time in which what strain and overlap a step leaves are corrected. Within a much
 /// shorter step that would throw the cloth about.

@@ -97,9 +97,8 @@ private:
   // of the step in hand
   double dt_ = 0;
   const Freedom* freedom_ = nullptr;
-  double inherited_ =
-      0;            ///< part of what the last step left of strain and overlap that this one may leave too
-  double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
+  double inherited_ = 0; ///< part of the strain and overlap that the last step left which this one may leave
+  double fall_ = 0;      ///< m that gravity moves a free vertex, at most the smallest thickness
   int iteration_ = 0;
   Global contact_count_ = 0; ///< over all ranks
   Scene start_, safe_, target_;

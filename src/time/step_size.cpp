@@ -7,8 +7,7 @@ namespace taut {
 
 namespace {
 constexpr double round_off = 1e-9; ///< relative; a step this much too long is not worth another step
-constexpr double sliver =
-    0.1; ///< of the longest step; if the end comes so soon after a frame, the frame waits
+constexpr double sliver = 0.1;     ///< of the longest step; a frame waits for an end that comes so soon after
 constexpr int longest_patience = 40;
 } // namespace
 

@@ -3,11 +3,10 @@
 
 namespace taut {
 
-/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames, the
-/// last of which is at the end of the run (a step that is tiny beside the others would shake the cloth: it
-/// corrects in no time what strain the one before left); halved
+/// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames; halved
 /// after a rejected step, doubled again after a few accepted ones [BW98 section 6: after a doubling that
-/// failed, wait longer before the next].
+/// failed, wait longer before the next]. The last frame is at the end of the run: a step that is tiny beside
+/// the others would shake the cloth, because it corrects in no time what strain the one before left.
 class StepSize {
 public:
   explicit StepSize(const config::Time& time) : time_(time), memory_{.step = time.max_step} {}
