@@ -24,11 +24,8 @@ void AxisPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freed
   collect(matrix);
   leave_out(freedom);
   uses_grids_ = needs_grids();
-  if (!uses_grids_) {
-    fine_.factor(pattern_.sparse_rows(), values_);
-    return;
-  }
-  fine_.factor_shifted(pattern_.sparse_rows(), values_);
+  fine_.factor(pattern_.sparse_rows(), values_);
+  if (!uses_grids_) return;
   if (grids_.empty()) make_grids();
   SparseRows rows = pattern_.sparse_rows();
   std::span<const double> values = values_;
@@ -38,15 +35,15 @@ void AxisPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freed
     rows = level->grid.rows();
     values = level->grid.values();
     held = {};
-    level->factor.factor_shifted(rows, values);
+    level->factor.factor(rows, values);
   }
 }
 
 /// Whether the diagonal outweighs inertia, which is what sums of rows are, so much that a solve with grids
-/// takes no longer than without: from there on that takes some thirty iterations on one rank, more on
-/// several.
+/// takes no longer than without. Factors within ranks know nothing of what couples these, so on several that
+/// is so earlier.
 bool AxisPreconditioner::needs_grids() const {
-  constexpr double much = 300;
+  const double much = size_of(mesh_.comm) == 1 ? 150 : 50;
   std::array<double, 2> sums{0, 0}; // of the diagonal, of all entries
   auto value = values_.begin();
   for (Local row = 0; row < pattern_.rows(); ++row) {

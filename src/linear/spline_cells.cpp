@@ -1,5 +1,6 @@
 #include "src/linear/spline_cells.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
@@ -26,17 +27,16 @@ SplineCells::SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spa
       box[3 + d] = std::max(box[3 + d], p[d]);
     }
   max_in_place(comm, box);
-  for (int d = 0; d < 3; ++d) {
-    origin_[d] = -box[d];
-    count_[d] = box[3 + d] + box[d] < 0.5 * spacing ? 1 : 3;
-  }
+  for (int d = 0; d < 3; ++d) origin_[d] = -box[d];
+  const auto is_wide = [&](int d) { return box[3 + d] + box[d] >= 0.5 * spacing; };
+  axes_ = {0, 1, 2};
+  dimension_ = int(std::stable_partition(axes_.begin(), axes_.end(), is_wide) - axes_.begin());
 
   std::unordered_map<Global, Local> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<Global, 3> first{0, 0, 0};
-    for (int d = 0; d < 3; ++d) {
-      if (count_[d] == 1) continue;
-      const double s = (points[i][d] - origin_[d]) / spacing, whole = std::floor(s);
+    for (int d = 0; d < dimension_; ++d) {
+      const double s = (points[i][axes_[d]] - origin_[axes_[d]]) / spacing, whole = std::floor(s);
       first[d] = Global(whole);
       places_[i].at[d] = float(s - whole);
     }
@@ -49,32 +49,17 @@ SplineCells::SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spa
 std::vector<Global> SplineCells::node_keys(Local cell) const {
   const auto& [i, j, k] = first_[cell];
   std::vector<Global> keys;
-  for (int a = 0; a < count_[0]; ++a)
-    for (int b = 0; b < count_[1]; ++b)
-      for (int c = 0; c < count_[2]; ++c) keys.push_back(key_of(i + a, j + b, k + c));
+  for (int a = 0; a < count(0); ++a)
+    for (int b = 0; b < count(1); ++b)
+      for (int c = 0; c < count(2); ++c) keys.push_back(key_of(i + a, j + b, k + c));
   return keys;
 }
 
 Vec3 SplineCells::node_point(Global key) const {
   Vec3 point = origin_;
-  for (int d = 0; d < 3; ++d)
-    if (count_[d] > 1) point[d] += (double(key >> ((2 - d) * bits) & mask) - 0.5) * spacing_;
+  for (int d = 0; d < dimension_; ++d)
+    point[axes_[d]] += (double(key >> ((2 - d) * bits) & mask) - 0.5) * spacing_;
   return point;
-}
-
-void SplineCells::weigh(Local point, Weights& weights) const {
-  std::array<std::array<double, 3>, 3> w;
-  for (int d = 0; d < 3; ++d) {
-    const double u = places_[point].at[d];
-    if (count_[d] == 1)
-      w[d] = {1, 0, 0};
-    else
-      w[d] = {0.5 * (1 - u) * (1 - u), 0.5 + u - u * u, 0.5 * u * u};
-  }
-  auto next = weights.begin();
-  for (int a = 0; a < count_[0]; ++a)
-    for (int b = 0; b < count_[1]; ++b)
-      for (int c = 0; c < count_[2]; ++c) *next++ = w[0][a] * w[1][b] * w[2][c];
 }
 
 } // namespace taut

@@ -4,20 +4,41 @@
 
 namespace taut {
 
+namespace {
+
+/// work(dimension), which is of the cells, as a constant.
+template<class Work>
+void in_dimension_of(const SplineCells& cells, Work&& work) {
+  switch (cells.dimension()) {
+  case 0:
+    return work(std::integral_constant<int, 0>());
+  case 1:
+    return work(std::integral_constant<int, 1>());
+  case 2:
+    return work(std::integral_constant<int, 2>());
+  default:
+    return work(std::integral_constant<int, 3>());
+  }
+}
+
+} // namespace
+
 void SplineGrid::set(const SparseRows& rows, std::span<const double> values, std::span<const char> held) {
   held_ = held;
   std::fill(values_.begin(), values_.end(), 0.0);
-  for (Local cell = 0; cell < cells_.size(); ++cell)
-    if (!points_in(cell).empty()) add_cell(rows, values, cell);
+  in_dimension_of(cells_, [&](auto dimension) {
+    for (Local cell = 0; cell < cells_.size(); ++cell)
+      if (!points_in(cell).empty()) add_cell<dimension>(rows, values, cell);
+  });
   to_owners_.forward_add<double>(values_, values_);
 }
 
 /// Adds what the rows of a cell's owned points give: first to a dense block between the nodes of the cell and
 /// all in its reach.
+template<int dimension>
 void SplineGrid::add_cell(const SparseRows& rows, std::span<const double> values, Local cell) {
   const auto near_cells = near(cell), reached = reach(cell);
   const std::uint8_t* places = near_places_.data() + std::size_t(near_offsets_[cell]) * per_cell_;
-  SplineCells::Weights w;
   block_.assign(per_cell_ * reached.size(), 0.0);
   row_.resize(reached.size());
   for (const Local i : points_in(cell)) {
@@ -30,13 +51,11 @@ void SplineGrid::add_cell(const SparseRows& rows, std::span<const double> values
       std::size_t k = 0;
       while (near_cells[k] != cells_.cell_of(j)) ++k;
       const std::uint8_t* at = places + k * per_cell_;
-      cells_.weigh(j, w);
-      for (std::size_t b = 0; b < per_cell_; ++b) row_[at[b]] += s * w[b];
+      for (const double w : cells_.weights<dimension>(j)) row_[*at++] += s * w;
     }
-    cells_.weigh(i, w);
     double* block = block_.data();
-    for (std::size_t a = 0; a < per_cell_; ++a)
-      for (const double r : row_) *block++ += w[a] * r;
+    for (const double w : cells_.weights<dimension>(i))
+      for (const double r : row_) *block++ += w * r;
   }
   const double* block = block_.data();
   for (const Local node : nodes_of(cell)) {
@@ -50,31 +69,38 @@ void SplineGrid::add_cell(const SparseRows& rows, std::span<const double> values
 
 void SplineGrid::gather(std::span<const Vec3> fine, std::vector<Vec3>& coarse) const {
   std::fill(coarse.begin(), coarse.end(), Vec3::Zero());
-  SplineCells::Weights w;
-  for (Local cell = 0; cell < cells_.size(); ++cell) {
-    const auto nodes = nodes_of(cell);
-    for (const Local i : points_in(cell)) {
-      if (is_held(i)) continue;
-      cells_.weigh(i, w);
-      for (std::size_t a = 0; a < per_cell_; ++a) coarse[nodes[a]] += w[a] * fine[i];
+  in_dimension_of(cells_, [&](auto dimension) {
+    for (Local cell = 0; cell < cells_.size(); ++cell) {
+      std::array<Vec3, SplineCells::nodes_of_cell(dimension)> sums;
+      sums.fill(Vec3::Zero());
+      for (const Local i : points_in(cell)) {
+        if (is_held(i)) continue;
+        const auto w = cells_.weights<dimension>(i);
+        for (std::size_t a = 0; a < w.size(); ++a) sums[a] += w[a] * fine[i];
+      }
+      const auto nodes = nodes_of(cell);
+      for (std::size_t a = 0; a < sums.size(); ++a) coarse[nodes[a]] += sums[a];
     }
-  }
+  });
   halo_.accumulate(coarse);
 }
 
 void SplineGrid::add_spread(std::vector<Vec3>& coarse, std::span<Vec3> fine) const {
   halo_.update(coarse);
-  SplineCells::Weights w;
-  for (Local cell = 0; cell < cells_.size(); ++cell) {
-    const auto nodes = nodes_of(cell);
-    for (const Local i : points_in(cell)) {
-      if (is_held(i)) continue;
-      cells_.weigh(i, w);
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t a = 0; a < per_cell_; ++a) sum += w[a] * coarse[nodes[a]];
-      fine[i] += sum;
+  in_dimension_of(cells_, [&](auto dimension) {
+    for (Local cell = 0; cell < cells_.size(); ++cell) {
+      std::array<Vec3, SplineCells::nodes_of_cell(dimension)> values;
+      const auto nodes = nodes_of(cell);
+      for (std::size_t a = 0; a < values.size(); ++a) values[a] = coarse[nodes[a]];
+      for (const Local i : points_in(cell)) {
+        if (is_held(i)) continue;
+        const auto w = cells_.weights<dimension>(i);
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t a = 0; a < w.size(); ++a) sum += w[a] * values[a];
+        fine[i] += sum;
+      }
     }
-  }
+  });
 }
 
 } // namespace taut

@@ -45,6 +45,7 @@ private:
   void find_reach();
   void make_rows(MPI_Comm comm, const std::vector<Coupling>& own);
   bool is_held(Local point) const { return !held_.empty() && held_[point]; }
+  template<int dimension>
   void add_cell(const SparseRows& rows, std::span<const double> values, Local cell);
   std::span<const Local> nodes_of(Local cell) const {
     return std::span(cell_nodes_).subspan(std::size_t(cell) * per_cell_, per_cell_);

@@ -52,7 +52,7 @@ void sort_unique(std::vector<T>& values) {
 } // namespace
 
 SplineGrid::SplineGrid(MPI_Comm comm, const SparseRows& rows, std::span<const Vec3> points, double spacing)
-    : cells_(comm, points, spacing), per_cell_(std::size_t(cells_.nodes_of_cell())) {
+    : cells_(comm, points, spacing), per_cell_(SplineCells::nodes_of_cell(cells_.dimension())) {
   sort_points(rows);
   find_near_cells(rows);
   std::vector<Coupling> own = couplings();
