@@ -218,6 +218,23 @@ TEST(StepSize, KnowsTheFrameAfterATime) {
   }
 }
 
+TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
+  config::Time time;
+  time.end = 1;
+  time.frame_rate = 1;
+  time.max_step = 0.01;
+  StepSize size(time);
+  for (int i = 0; i < 20; ++i) {
+    const double dt = size.choose(0, 1).dt;
+    size.accepted();
+    size.laboured(dt);
+  }
+  EXPECT_LT(size.choose(0, 1).dt, 0.0013);
+  EXPECT_GT(size.choose(0, 1).dt, 0.0006);
+  for (int i = 0; i < 200; ++i) size.accepted();
+  EXPECT_DOUBLE_EQ(size.choose(0, 1).dt, 0.01);
+}
+
 TEST(StepSize, TakesNoTinyLastStep) {
   for (const double end : {0.5, 0.5 + 1e-6, 0.5 + 4e-4}) {
     const StepSize steps({.end = end, .frame_rate = 30, .max_step = 5e-3});

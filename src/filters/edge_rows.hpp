@@ -1,10 +1,13 @@
 #pragma once
-#include "src/filters/edge_constraints.hpp"
+#include "src/filters/thread_stiffness.hpp"
 #include "src/linear/projection_system.hpp"
+
+#include <optional>
 
 namespace taut {
 
-/// What FastProjection needs to keep the length of every edge: EdgeConstraints and their linear system.
+/// What FastProjection needs to keep the length of every edge: EdgeConstraints and their linear system, in
+/// the metric of the masses and of ThreadStiffness (the latter with `solver: cg` only).
 class EdgeRows {
 public:
   /// As of EdgeConstraints. Collective.
@@ -20,17 +23,25 @@ public:
   /// d_mu, to the relative tolerance given; added to mu. Collective.
   SolveReport solve(double tolerance);
 
-  /// W J^T d_mu at an owned vertex, in m. Not collective.
+  /// G^-1 J^T d_mu at an owned vertex, in m. Not collective.
   Vec3 pulled(Local vertex) const {
-    return constraints_.inverse_mass()[vertex] * constraints_.pull(vertex, constraints_.gradients(), change_);
+    const Vec3 by_mass =
+        constraints_.inverse_mass()[vertex] * constraints_.pull(vertex, constraints_.gradients(), change_);
+    return uses_threads() ? Vec3(by_mass - threads_->held_back(vertex)) : by_mass;
   }
 
   /// The tensions, into the candidate. Not collective.
   void finish(Candidate& candidate) const;
 
 private:
+  bool uses_threads() const { return threads_ && threads_->acts(); }
+  SolveReport solve_with_threads(double tolerance);
+
   EdgeConstraints constraints_;
   ProjectionSystem system_;
+  std::optional<ThreadStiffness> threads_;
+  std::vector<double> softness_;    ///< of owned edges, what the stiffness of threads adds to the inverse
+  std::vector<double> product_of_;  ///< local edges: what a product is of
   std::vector<double> change_, mu_; ///< change_: first what is asked of the rows, then the answer
 };
 

@@ -8,6 +8,10 @@
 
 namespace taut {
 
+/// Of a step, from where half its length is cheaper: on two-pins with 561 x 561 vertices steps of 10 ms take
+/// 310, of 5 ms 146, of 2.5 ms 34, beside 23 to 32 of the velocity solve.
+constexpr int many_linear_iterations = 100;
+
 template<class Rows>
 FastProjection<Rows>::FastProjection(const Cloth& cloth, const config::Inextensibility& options,
                                      double weight)
@@ -40,6 +44,7 @@ FilterReport FastProjection<Rows>::apply(const State& start, double dt, const Fr
     cloth_.mesh.vertex_halo.update(candidate.velocities);
   }
   rows_.finish(candidate);
+  report.laboured = report.linear_iterations > many_linear_iterations;
   return report;
 }
 

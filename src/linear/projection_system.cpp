@@ -129,12 +129,12 @@ struct ProjectionSystem::Petsc {
   OwnedMat matrix;
   OwnedMat shell; ///< stands for `operation`; made when it is first needed
   const Operator* operation = nullptr;
-  OwnedVec rhs, solution;
+  OwnedVec rhs, solution, factor, product; ///< the last two without memory of their own
   LinearSolver solver;
 
   Petsc(const DistributedMesh& mesh, const SolverOptions& options)
       : rows(pattern_of(mesh)), yarns(find_yarns(mesh)),
-        links(links_of(mesh, yarns, rows)), blocks{{}, YarnFactor(yarns)},
+        links(links_of(mesh, yarns, rows)), blocks{{}, YarnFactor(yarns), {}},
         solver(mesh.comm, "projection", options, "yarn") {
     blocks.matrix.diagonal.assign(mesh.edges.owned, 0.0);
     blocks.matrix.to_previous.assign(mesh.edges.owned, 0.0);
@@ -174,6 +174,8 @@ ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOpti
   if (options.matrix == SolverOptions::Matrix::positive_definite)
     check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
   check(MatCreateVecs(p.matrix, p.solution.address(), p.rhs.address()));
+  for (OwnedVec* v : {&p.factor, &p.product})
+    check(VecCreateMPIWithArray(mesh.comm, 1, owned, total, nullptr, v->address()));
   attach(p.matrix, p.blocks);
 }
 
@@ -249,7 +251,7 @@ PetscErrorCode apply_operation(Mat shell, Vec x, Vec y) {
 } // namespace
 
 SolveReport ProjectionSystem::solve(const Operator& a, std::span<const double> rhs, double tolerance,
-                                    std::vector<double>& mu) {
+                                    std::vector<double>& mu, std::span<const double> added_to_inverse) {
   Petsc& p = *petsc_;
   p.operation = &a;
   if (!p.shell) {
@@ -259,7 +261,19 @@ SolveReport ProjectionSystem::solve(const Operator& a, std::span<const double> r
     check(MatShellSetOperation(p.shell, MATOP_MULT, reinterpret_cast<void (*)()>(apply_operation)));
     check(MatSetOption(p.shell, MAT_SPD, PETSC_TRUE));
   }
-  return p.solve(mesh_, p.shell, rhs, tolerance, mu);
+  p.blocks.added_to_inverse = added_to_inverse;
+  const SolveReport report = p.solve(mesh_, p.shell, rhs, tolerance, mu);
+  p.blocks.added_to_inverse = {};
+  return report;
+}
+
+void ProjectionSystem::multiply(std::span<const double> mu, std::span<double> product) {
+  Petsc& p = *petsc_;
+  check(VecPlaceArray(p.factor, mu.data()));
+  check(VecPlaceArray(p.product, product.data()));
+  check(MatMult(p.matrix, p.factor, p.product));
+  check(VecResetArray(p.product));
+  check(VecResetArray(p.factor));
 }
 
 } // namespace taut

@@ -43,9 +43,13 @@ public:
   using Operator = std::function<void(std::span<const double> mu, std::span<double> product)>;
 
   /// As `solve`, for a symmetric positive definite A of which the assembled matrix only makes the
-  /// preconditioner. The options must say cg. Collective.
-  SolveReport solve(const Operator& a, std::span<const double> rhs, double tolerance,
-                    std::vector<double>& mu);
+  /// preconditioner; `added_to_inverse`, of owned edges, is added to the diagonal of that. The options must
+  /// say cg. Collective.
+  SolveReport solve(const Operator& a, std::span<const double> rhs, double tolerance, std::vector<double>& mu,
+                    std::span<const double> added_to_inverse = {});
+
+  /// product = (S + diag a) mu over owned edges. Collective over neighbours.
+  void multiply(std::span<const double> mu, std::span<double> product);
 
 private:
   struct Petsc;

@@ -5,8 +5,8 @@
 namespace taut {
 
 YarnFactor::YarnFactor(const Yarns& yarns)
-    : yarns_(yarns), knots_(yarns.knots.size()), owned_(yarns.owned_knots), knot_values_(yarns.knots.size()),
-      owned_values_(yarns.owned_knots) {
+    : yarns_(yarns), is_identity_(yarns.segments.size(), 0), knots_(yarns.knots.size()),
+      owned_(yarns.owned_knots) {
   const std::size_t edges = yarns.segments.empty() ? 0 : yarns.segments.back().end;
   lower_.assign(edges, 0.0);
   if (std::any_of(yarns.segments.begin(), yarns.segments.end(), [](const YarnSegment& s) { return s.cut; }))
@@ -14,11 +14,23 @@ YarnFactor::YarnFactor(const Yarns& yarns)
   inverse_diagonal_.assign(edges, 0.0);
 }
 
+namespace {
+
+bool is_identity(const YarnSegment& s, const YarnTridiagonal& matrix) {
+  for (Local i = s.begin; i < s.end; ++i)
+    if (matrix.diagonal[i] != 1.0 || (i > s.begin && matrix.to_previous[i] != 0.0)) return false;
+  return true;
+}
+
+} // namespace
+
 void YarnFactor::factor(const YarnTridiagonal& matrix) {
   std::size_t knot = 0;
-  for (const YarnSegment& s : yarns_.segments) {
+  for (std::size_t k = 0; k < yarns_.segments.size(); ++k) {
+    const YarnSegment& s = yarns_.segments[k];
     if (!s.cut) {
-      factor_whole(s, matrix);
+      is_identity_[k] = is_identity(s, matrix);
+      if (!is_identity_[k]) factor_whole(s, matrix);
       continue;
     }
     const Ends ends = factor_inside(s, matrix);
@@ -70,55 +82,65 @@ void YarnFactor::factor_knots() {
   }
 }
 
-void YarnFactor::solve(std::span<const double> b, std::span<double> x) const {
+template<class T>
+void YarnFactor::solve_any(std::span<const T> b, std::span<T> x) const {
+  auto& [here, owned] = std::get<KnotValues<T>>(knot_values_);
+  here.resize(knots_.size());
+  owned.resize(owned_.size());
   for (const YarnSegment& s : yarns_.segments) {
     if (!s.cut) continue;
     std::copy(b.begin() + s.begin, b.begin() + s.end, x.begin() + s.begin);
     eliminate_inside(s, x);
   }
-  for (std::size_t k = 0; k < knot_values_.size(); ++k) knot_values_[k] = x[yarns_.knots[k]];
-  yarns_.to_owner.begin_forward<double>(knot_values_);
-  for (const YarnSegment& s : yarns_.segments)
-    if (!s.cut) solve_whole(s, b, x);
-  yarns_.to_owner.end_forward<double>(owned_values_);
-  solve_knots();
-  yarns_.to_owner.reverse<double>(owned_values_, knot_values_);
-  for (std::size_t k = 0; k < knot_values_.size(); ++k) x[yarns_.knots[k]] = knot_values_[k];
+  for (std::size_t k = 0; k < here.size(); ++k) here[k] = x[yarns_.knots[k]];
+  yarns_.to_owner.begin_forward<T>(here);
+  for (std::size_t k = 0; k < yarns_.segments.size(); ++k) {
+    const YarnSegment& s = yarns_.segments[k];
+    if (is_identity_[k] && b.data() != x.data())
+      std::copy(b.begin() + s.begin, b.begin() + s.end, x.begin() + s.begin);
+    if (!s.cut && !is_identity_[k]) solve_whole(s, b, x);
+  }
+  yarns_.to_owner.end_forward<T>(owned);
+  solve_knots<T>(owned);
+  yarns_.to_owner.reverse<T>(owned, here);
+  for (std::size_t k = 0; k < here.size(); ++k) x[yarns_.knots[k]] = here[k];
   for (const YarnSegment& s : yarns_.segments)
     if (s.cut) substitute_inside(s, x);
 }
 
-void YarnFactor::solve_whole(const YarnSegment& s, std::span<const double> b, std::span<double> x) const {
-  double carried = 0;
-  for (Local i = s.begin; i < s.end; ++i) x[i] = carried = b[i] - lower_[i] * carried;
-  double after = 0;
-  for (Local i = s.end; i-- > s.begin;) {
-    x[i] = x[i] * inverse_diagonal_[i] - after;
-    after = lower_[i] * x[i];
-  }
+template<class T>
+void YarnFactor::solve_whole(const YarnSegment& s, std::span<const T> b, std::span<T> x) const {
+  T carried = b[s.begin];
+  x[s.begin] = carried;
+  for (Local i = s.begin + 1; i < s.end; ++i) x[i] = carried = b[i] - lower_[i] * carried;
+  x[s.end - 1] *= inverse_diagonal_[s.end - 1];
+  for (Local i = s.end - 1; i-- > s.begin;) x[i] = x[i] * inverse_diagonal_[i] - lower_[i + 1] * x[i + 1];
 }
 
-void YarnFactor::eliminate_inside(const YarnSegment& s, std::span<double> x) const {
+template<class T>
+void YarnFactor::eliminate_inside(const YarnSegment& s, std::span<T> x) const {
   for (Local i = s.begin + 1; i < s.end - 1; ++i) {
     x[s.begin] -= to_begin_[i] * x[i];
     x[i + 1] -= lower_[i + 1] * x[i];
   }
 }
 
-void YarnFactor::substitute_inside(const YarnSegment& s, std::span<double> x) const {
+template<class T>
+void YarnFactor::substitute_inside(const YarnSegment& s, std::span<T> x) const {
   for (Local i = s.end - 2; i > s.begin; --i)
     x[i] = x[i] * inverse_diagonal_[i] - lower_[i + 1] * x[i + 1] - to_begin_[i] * x[s.begin];
 }
 
-void YarnFactor::solve_knots() const {
-  double carried = 0;
-  for (std::size_t k = 0; k < owned_.size(); ++k)
-    owned_values_[k] = carried = owned_values_[k] - owned_[k].to_previous * carried;
-  double after = 0;
-  for (std::size_t k = owned_.size(); k-- > 0;) {
-    owned_values_[k] = owned_values_[k] * owned_[k].diagonal - after;
-    after = owned_[k].to_previous * owned_values_[k];
-  }
+template<class T>
+void YarnFactor::solve_knots(std::span<T> values) const {
+  if (values.empty()) return;
+  for (std::size_t k = 1; k < values.size(); ++k) values[k] -= owned_[k].to_previous * values[k - 1];
+  values.back() *= owned_.back().diagonal;
+  for (std::size_t k = values.size() - 1; k-- > 0;)
+    values[k] = values[k] * owned_[k].diagonal - owned_[k + 1].to_previous * values[k + 1];
 }
+
+template void YarnFactor::solve_any(std::span<const double> b, std::span<double> x) const;
+template void YarnFactor::solve_any(std::span<const Vec3> b, std::span<Vec3> x) const;
 
 } // namespace taut

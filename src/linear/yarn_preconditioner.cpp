@@ -22,7 +22,10 @@ PetscErrorCode set_up(PC pc) {
 
 PetscErrorCode apply(PC pc, Vec b, Vec x) {
   return on_arrays(b, x, [pc](std::span<const double> from, std::span<double> to) {
-    static_cast<YarnBlocks*>(pc->data)->factor.solve(from, to);
+    const auto& blocks = *static_cast<const YarnBlocks*>(pc->data);
+    blocks.factor.solve(from, to);
+    for (std::size_t e = 0; e < blocks.added_to_inverse.size(); ++e)
+      to[e] += blocks.added_to_inverse[e] * from[e];
   });
 }
 

@@ -11,6 +11,7 @@ void register_yarn_preconditioner();
 struct YarnBlocks {
   YarnTridiagonal matrix; ///< current values
   YarnFactor factor;
+  std::span<const double> added_to_inverse; ///< to its diagonal, of owned edges; empty: nothing
 };
 
 /// Lets the preconditioner `yarn` find the blocks of `matrix`, which must outlive it.

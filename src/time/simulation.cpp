@@ -132,7 +132,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
     if (rejected == 0 && stop())
       return {Ending::interrupted, fmt::format("stopped by a signal at t = {:.6g} s", state_.time)};
     const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
-    auto [record, failure] = attempt(dt);
+    auto [record, failure, laboured] = attempt(dt);
     if (!failure.empty()) {
       ++rejected_steps_;
       ++rejected;
@@ -143,6 +143,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
                                           state_.time, dt, failure, place_of_fault(record))};
     }
     step_size_.accepted();
+    if (laboured) step_size_.laboured(dt);
     accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt, dt);
     record.rejected = std::exchange(rejected, 0);
     record.seconds += std::exchange(wasted, {});
@@ -238,6 +239,7 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
   const PhaseScope phase(Phase::projection);
   for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
     const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom_, candidate_);
+    attempt.laboured = attempt.laboured || filtered.laboured;
     attempt.record.iterations += filtered.iterations;
     attempt.record.linear_iterations += filtered.linear_iterations;
     attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);

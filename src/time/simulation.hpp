@@ -59,7 +59,8 @@ public:
 private:
   struct Attempt {
     StepRecord record;
-    std::string failure; ///< empty if the step can be accepted
+    std::string failure;   ///< empty if the step can be accepted
+    bool laboured = false; ///< as of FilterReport
   };
   static bool never() { return false; }
   Attempt attempt(double dt);

@@ -47,6 +47,12 @@ void StepSize::rejected(double dt) {
   memory_.step = dt / 2;
 }
 
+/// What is dear for other reasons than its length must not end in steps of no length.
+void StepSize::laboured(double dt) {
+  constexpr double shortest = 1.0 / 16; // of the longest, about
+  if (dt > 1.5 * shortest * time_.max_step) rejected(dt);
+}
+
 void StepSize::recall(const Memory& memory) {
   memory_ = memory;
   memory_.step = std::min(memory_.step, time_.max_step);
