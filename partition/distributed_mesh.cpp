@@ -3,6 +3,7 @@
 #include "partition/fetch.hpp"
 #include "partition/mesh_parts.hpp"
 #include "partition/morton.hpp"
+#include "partition/sort_unique.hpp"
 #include "partition/yarn_order.hpp"
 
 #include <algorithm>
@@ -82,8 +83,7 @@ private:
     for (const SentEdge& e : parts.edges) met.insert(met.end(), {e.low, e.high});
     for (const EdgeFaces& h : parts.hinges)
       for (const Global v : vertices_of(h)) met.push_back(v);
-    std::sort(met.begin(), met.end());
-    met.erase(std::unique(met.begin(), met.end()), met.end());
+    sort_unique(met);
     std::vector<Global> mine(mesh_.vertices.original);
     std::sort(mine.begin(), mine.end());
     std::vector<Global> ghosts;

@@ -1,6 +1,7 @@
 #include "partition/mesh_parts.hpp"
 
 #include "partition/fetch.hpp"
+#include "partition/sort_unique.hpp"
 
 #include <algorithm>
 
@@ -14,8 +15,7 @@ class Sender {
 public:
   void add(const T& item, std::span<const int> owners) {
     ranks_.assign(owners.begin(), owners.end());
-    std::sort(ranks_.begin(), ranks_.end());
-    ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
+    sort_unique(ranks_);
     for (const int r : ranks_) {
       items_.push_back(item);
       to_.push_back(r);

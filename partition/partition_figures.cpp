@@ -2,6 +2,7 @@
 
 #include "partition/distributed_mesh.hpp"
 #include "partition/fetch.hpp"
+#include "partition/sort_unique.hpp"
 #include "partition/yarns.hpp"
 
 #include <algorithm>
@@ -17,12 +18,6 @@ struct Stored {
   Global entity;
   auto operator<=>(const Stored&) const = default;
 };
-
-template<class T>
-void sort_unique(std::vector<T>& items) {
-  std::sort(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
-}
 
 /// Each part has a home, the rank that counts what concerns it.
 class Counter {

@@ -31,6 +31,9 @@ struct Yarns {
   Local owned_knots = 0;         ///< how many knots this rank holds as an owner
   std::vector<char> starts_yarn; ///< of owned knots: 1 where a yarn begins
   Global count = 0;              ///< yarns over all ranks
+
+  /// Edges of all segments: the owned ones.
+  std::size_t edges() const { return segments.empty() ? 0 : std::size_t(segments.back().end); }
 };
 
 /// Collective.

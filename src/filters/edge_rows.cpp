@@ -8,10 +8,8 @@ namespace taut {
 
 EdgeRows::EdgeRows(const Cloth& cloth, const config::Inextensibility& options, double weight)
     : constraints_(cloth, options, weight), system_(cloth.mesh, solver_options(options)),
-      softness_(cloth.mesh.edges.owned), product_of_(cloth.mesh.edges.size()),
-      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {
-  if (options.solver == config::LinearSolver::cg) threads_.emplace(cloth);
-}
+      is_by_cg_(options.solver == config::LinearSolver::cg), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()) {}
 
 void EdgeRows::start(const State&, double dt, const Freedom& freedom, const Candidate& candidate) {
   constraints_.start(dt, freedom);
@@ -24,6 +22,8 @@ SolveReport EdgeRows::solve(double tolerance) {
   system_.assemble(constraints_.gradients(), constraints_.inverse_mass(), constraints_.freedom(),
                    constraints_.shift());
   constraints_.residual(mu_, change_);
+  if (!threads_ && is_by_cg_ && ThreadStiffness::is_needed(constraints_, mu_))
+    threads_.emplace(constraints_.cloth(), system_.yarns());
   if (threads_) threads_->choose(constraints_, mu_);
   SolveReport report =
       uses_threads() ? solve_with_threads(tolerance) : system_.solve(change_, tolerance, change_);
@@ -32,20 +32,13 @@ SolveReport EdgeRows::solve(double tolerance) {
   return report;
 }
 
-/// Along a straight thread the matrix is (4 |d|^2/l^2) (D + (B W B^T)^-1)^-1, so to the inverse of that
-/// without D comes D/|g|^2.
 SolveReport EdgeRows::solve_with_threads(double tolerance) {
-  const auto stiffness = threads_->stiffness();
-  for (std::size_t e = 0; e < softness_.size(); ++e)
-    softness_[e] = stiffness[e] > 0 ? stiffness[e] / constraints_.gradients()[e].squaredNorm() : 0.0;
   const auto product_with = [this](std::span<const double> mu, std::span<double> product) {
     system_.multiply(mu, product);
-    std::copy(mu.begin(), mu.end(), product_of_.begin());
-    constraints_.cloth().mesh.edge_halo.update(product_of_);
-    threads_->hold_back(constraints_, product_of_);
+    threads_->hold_back(constraints_, mu);
     threads_->subtract(constraints_, product);
   };
-  const SolveReport report = system_.solve(product_with, change_, tolerance, change_, softness_);
+  const SolveReport report = system_.solve(product_with, change_, tolerance, change_, threads_->softness());
   threads_->hold_back(constraints_, change_);
   return report;
 }

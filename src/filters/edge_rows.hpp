@@ -39,10 +39,9 @@ private:
 
   EdgeConstraints constraints_;
   ProjectionSystem system_;
-  std::optional<ThreadStiffness> threads_;
-  std::vector<double> softness_;    ///< of owned edges, what the stiffness of threads adds to the inverse
-  std::vector<double> product_of_;  ///< local edges: what a product is of
-  std::vector<double> change_, mu_; ///< change_: first what is asked of the rows, then the answer
+  bool is_by_cg_;
+  std::optional<ThreadStiffness> threads_; ///< made when it is first needed
+  std::vector<double> change_, mu_;        ///< change_: first what is asked of the rows, then the answer
 };
 
 } // namespace taut

@@ -1,5 +1,7 @@
 #include "src/filters/thread_stiffness.hpp"
 
+#include "partition/sort_unique.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,21 +17,27 @@ double force_per_length(const EdgeConstraints& constraints, std::span<const doub
   return 2 * mu[edge] / constraints.cloth().rest_length[edge];
 }
 
-void sort_unique(std::vector<Local>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
+/// D of an owned edge, if it were not for the edges across; negative where tension does not outweigh inertia.
+double stiffness_alone(const EdgeConstraints& constraints, std::span<const double> mu, Local edge) {
+  const auto& [a, b] = constraints.cloth().mesh.edge_vertices[edge];
+  const double inverse_masses = constraints.inverse_mass()[a] + constraints.inverse_mass()[b];
+  return inverse_masses > 0 ? force_per_length(constraints, mu, edge) - far / inverse_masses : -1.0;
 }
 
 } // namespace
 
-ThreadStiffness::ThreadStiffness(const Cloth& cloth)
-    : cloth_(cloth), yarns_(find_yarns(cloth.mesh)), factor_(yarns_), stiffness_(cloth.mesh.edges.owned),
-      root_(cloth.mesh.edges.size()), pull_(cloth.mesh.edges.size(), Vec3::Zero()),
-      held_back_(cloth.mesh.vertices.size(), Vec3::Zero()) {
+bool ThreadStiffness::is_needed(const EdgeConstraints& constraints, std::span<const double> mu) {
+  const DistributedMesh& mesh = constraints.cloth().mesh;
+  bool needed = false;
+  for (Local e = 0; e < mesh.edges.owned && !needed; ++e) needed = stiffness_alone(constraints, mu, e) > 0;
+  return any_of(mesh.comm, needed);
+}
+
+ThreadStiffness::ThreadStiffness(const Cloth& cloth, const Yarns& yarns)
+    : cloth_(cloth), yarns_(yarns), matrix_(yarns), factor_(yarns), root_(cloth.mesh.edges.size()),
+      softness_(cloth.mesh.edges.owned), mu_(cloth.mesh.edges.size()),
+      pull_(cloth.mesh.edges.size(), Vec3::Zero()), held_back_(cloth.mesh.vertices.size(), Vec3::Zero()) {
   find_lines();
-  matrix_.diagonal.resize(cloth.mesh.edges.owned);
-  matrix_.to_previous.resize(cloth.mesh.edges.owned);
-  matrix_.to_segment_before.resize(yarns_.knots.size());
 }
 
 /// Where a segment ends, the next edge is the one that knows the last to be before it.
@@ -61,23 +69,21 @@ void ThreadStiffness::find_lines() {
 
 void ThreadStiffness::choose(const EdgeConstraints& constraints, std::span<const double> mu) {
   const DistributedMesh& mesh = cloth_.mesh;
-  const auto w = constraints.inverse_mass();
   for (const Local e : chosen_) pull_[e] = Vec3::Zero();
   for (const Local v : ends_) held_back_[v] = Vec3::Zero();
   chosen_.clear();
   for (Local e = 0; e < mesh.edges.owned; ++e) {
-    const auto& [a, b] = mesh.edge_vertices[e];
-    double d = w[a] + w[b] > 0 ? force_per_length(constraints, mu, e) - far / (w[a] + w[b]) : 0;
+    double d = stiffness_alone(constraints, mu, e);
     if (d > 0) d -= across(constraints, mu, e);
-    stiffness_[e] = std::max(d, 0.0);
-    root_[e] = std::sqrt(stiffness_[e]);
     if (d > 0) chosen_.push_back(e);
+    root_[e] = d > 0 ? std::sqrt(d) : 0.0;
+    softness_[e] = d > 0 ? d / constraints.gradients()[e].squaredNorm() : 0.0;
   }
   acts_ = any_of(mesh.comm, !chosen_.empty());
   if (!acts_) return;
   mesh.edge_halo.update(root_);
   note_places();
-  factor(w);
+  factor(constraints.inverse_mass());
 }
 
 /// The largest force per length of the edges at the ends of an owned one that do not go on from it.
@@ -107,32 +113,24 @@ void ThreadStiffness::note_places() {
 
 void ThreadStiffness::factor(std::span<const double> inverse_mass) {
   const DistributedMesh& mesh = cloth_.mesh;
-  const auto coupling = [&](Local e, Local f) { // of D^1/2 B W B^T D^1/2
-    double sum = 0;
-    if (root_[e] > 0 && root_[f] > 0)
-      for (int i = 0; i < 2; ++i)
-        for (int j = 0; j < 2; ++j) {
-          const Local v = mesh.edge_vertices[e][i];
-          if (v == mesh.edge_vertices[f][j]) sum += (i == j ? 1 : -1) * inverse_mass[v];
-        }
-    return sum * root_[e] * root_[f];
-  };
-  for (Local e = 0; e < mesh.edges.owned; ++e) {
+  const auto on_diagonal = [&](Local e) {
     const auto& [a, b] = mesh.edge_vertices[e];
-    matrix_.diagonal[e] = 1.0 + stiffness_[e] * (inverse_mass[a] + inverse_mass[b]);
-  }
-  for (const YarnSegment& s : yarns_.segments)
-    for (Local e = s.begin + 1; e < s.end; ++e) matrix_.to_previous[e] = coupling(e, e - 1);
-  for (std::size_t k = 0; k < yarns_.knots.size(); ++k)
-    if (yarns_.before_knot[k] >= 0)
-      matrix_.to_segment_before[k] = coupling(yarns_.knots[k], yarns_.before_knot[k]);
+    return 1.0 + stiffness(e) * (inverse_mass[a] + inverse_mass[b]);
+  };
+  const auto coupling = [&](Local e, Local f) {
+    const double roots = root_[e] * root_[f];
+    return roots > 0 ? roots * sum_over_shared(mesh, e, f, [&](Local v) { return inverse_mass[v]; }) : 0.0;
+  };
+  matrix_.fill(yarns_, on_diagonal, coupling);
   factor_.factor(matrix_);
 }
 
 void ThreadStiffness::hold_back(const EdgeConstraints& constraints, std::span<const double> mu) {
   const DistributedMesh& mesh = cloth_.mesh;
   const auto w = constraints.inverse_mass();
-  for (const Local v : ends_) held_back_[v] = w[v] * constraints.pull(v, constraints.gradients(), mu);
+  std::copy_n(mu.begin(), mesh.edges.owned, mu_.begin());
+  mesh.edge_halo.update(mu_);
+  for (const Local v : ends_) held_back_[v] = w[v] * constraints.pull(v, constraints.gradients(), mu_);
   for (const Local e : chosen_) {
     const auto& [a, b] = mesh.edge_vertices[e];
     pull_[e] = root_[e] * (held_back_[b] - held_back_[a]);

@@ -21,8 +21,12 @@ namespace taut {
 /// chosen edges along yarns only, and is solved exactly across ranks.
 class ThreadStiffness {
 public:
-  /// `cloth` must outlive it. Collective.
-  explicit ThreadStiffness(const Cloth& cloth);
+  /// Whether the tension of any edge, on any rank, outweighs inertia by far: where it does for none, there is
+  /// nothing to choose. Collective.
+  static bool is_needed(const EdgeConstraints& constraints, std::span<const double> mu);
+
+  /// Both must outlive it. Collective.
+  ThreadStiffness(const Cloth& cloth, const Yarns& yarns);
 
   /// Chooses the edges for these tensions (local). Collective.
   void choose(const EdgeConstraints& constraints, std::span<const double> mu);
@@ -30,11 +34,15 @@ public:
   /// Whether any edge is chosen, on any rank.
   bool acts() const { return acts_; }
 
-  /// D of owned edges, 0 where not chosen; in kg.
-  std::span<const double> stiffness() const { return stiffness_; }
+  /// D of a local edge, 0 if not chosen; in kg. Not collective.
+  double stiffness(Local edge) const { return root_[edge] * root_[edge]; }
 
-  /// W B^T (D^-1 + B W B^T)^-1 B W J^T mu, for `mu` over local edges with current ghosts: `held_back` tells
-  /// it of the ends of owned edges, in m. Collective.
+  /// D/|g|^2 of owned edges, for the gradients g when they were chosen: what their stiffness adds to the
+  /// inverse of J W J^T. Along a straight thread the matrix is (4 |d|^2/l^2) (D + (B W B^T)^-1)^-1.
+  std::span<const double> softness() const { return softness_; }
+
+  /// W B^T (D^-1 + B W B^T)^-1 B W J^T mu, for `mu` over owned edges: `held_back` tells it of the ends of
+  /// owned edges, in m. Collective.
   void hold_back(const EdgeConstraints& constraints, std::span<const double> mu);
   const Vec3& held_back(Local vertex) const { return held_back_[vertex]; }
 
@@ -48,15 +56,16 @@ private:
   void factor(std::span<const double> inverse_mass);
 
   const Cloth& cloth_;
-  Yarns yarns_;
+  const Yarns& yarns_;
   std::vector<std::array<Local, 2>> in_line_; ///< of owned edges, those next to it on its yarn; -1: none
   YarnTridiagonal matrix_;                    ///< I + D^1/2 B W B^T D^1/2
   YarnFactor factor_;
   bool acts_ = false;
-  std::vector<double> stiffness_, root_; ///< D of owned edges; D^1/2 of local ones
-  std::vector<Local> chosen_, beside_;   ///< owned edges: with D, and with an end that is held back
-  std::vector<Local> ends_;              ///< local vertices of chosen edges, those of other ranks included
-  std::vector<Vec3> pull_, held_back_;   ///< of local edges, of local vertices; 0 where nothing is chosen
+  std::vector<double> root_, softness_; ///< D^1/2 of local edges; of owned ones
+  std::vector<Local> chosen_, beside_;  ///< owned edges: with D, and with an end that is held back
+  std::vector<Local> ends_;             ///< local vertices of chosen edges, those of other ranks included
+  std::vector<double> mu_;              ///< of local edges: what is held back
+  std::vector<Vec3> pull_, held_back_;  ///< of local edges, of local vertices; 0 where nothing is chosen
 };
 
 } // namespace taut

@@ -1,5 +1,6 @@
 #include "src/linear/projection_system.hpp"
 
+#include "partition/sort_unique.hpp"
 #include "src/linear/krylov.hpp"
 #include "src/linear/yarn_preconditioner.hpp"
 
@@ -54,8 +55,7 @@ void append_row(const DistributedMesh& mesh, Local edge, SplitRows& rows) {
       ghost.push_back(checked(mesh.edges.global(other)));
   });
   const auto append = [](std::vector<PetscInt>& row, SplitRows::Part& part) {
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
+    sort_unique(row);
     part.columns.insert(part.columns.end(), row.begin(), row.end());
     part.offsets.push_back(PetscInt(part.columns.size()));
   };
@@ -134,12 +134,8 @@ struct ProjectionSystem::Petsc {
 
   Petsc(const DistributedMesh& mesh, const SolverOptions& options)
       : rows(pattern_of(mesh)), yarns(find_yarns(mesh)),
-        links(links_of(mesh, yarns, rows)), blocks{{}, YarnFactor(yarns), {}},
-        solver(mesh.comm, "projection", options, "yarn") {
-    blocks.matrix.diagonal.assign(mesh.edges.owned, 0.0);
-    blocks.matrix.to_previous.assign(mesh.edges.owned, 0.0);
-    blocks.matrix.to_segment_before.assign(yarns.knots.size(), 0.0);
-  }
+        links(links_of(mesh, yarns, rows)), blocks{YarnTridiagonal(yarns), YarnFactor(yarns), {}},
+        solver(mesh.comm, "projection", options, "yarn") {}
 
   void fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
             std::span<const Vec3> column_gradient, std::span<const double> inverse_mass,
@@ -266,6 +262,8 @@ SolveReport ProjectionSystem::solve(const Operator& a, std::span<const double> r
   p.blocks.added_to_inverse = {};
   return report;
 }
+
+const Yarns& ProjectionSystem::yarns() const { return petsc_->yarns; }
 
 void ProjectionSystem::multiply(std::span<const double> mu, std::span<double> product) {
   Petsc& p = *petsc_;

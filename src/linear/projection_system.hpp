@@ -1,5 +1,5 @@
 #pragma once
-#include "partition/distributed_mesh.hpp"
+#include "partition/yarns.hpp"
 #include "src/linear/solver_options.hpp"
 #include "src/state/freedom.hpp"
 
@@ -47,6 +47,8 @@ public:
   /// say cg. Collective.
   SolveReport solve(const Operator& a, std::span<const double> rhs, double tolerance, std::vector<double>& mu,
                     std::span<const double> added_to_inverse = {});
+
+  const Yarns& yarns() const;
 
   /// product = (S + diag a) mu over owned edges. Collective over neighbours.
   void multiply(std::span<const double> mu, std::span<double> product);

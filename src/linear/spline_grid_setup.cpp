@@ -1,3 +1,4 @@
+#include "partition/sort_unique.hpp"
 #include "src/linear/spline_grid.hpp"
 
 #include <algorithm>
@@ -41,12 +42,6 @@ std::vector<int> owners_of(MPI_Comm comm, std::span<const Global> keys, std::spa
   std::vector<int> owners;
   for (const int j : judge) owners.push_back(int(answered.items[next[j]++]));
   return owners;
-}
-
-template<class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 } // namespace

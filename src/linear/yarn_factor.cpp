@@ -4,14 +4,16 @@
 
 namespace taut {
 
+YarnTridiagonal::YarnTridiagonal(const Yarns& yarns)
+    : diagonal(yarns.edges()), to_previous(yarns.edges()), to_segment_before(yarns.knots.size()) {}
+
 YarnFactor::YarnFactor(const Yarns& yarns)
     : yarns_(yarns), is_identity_(yarns.segments.size(), 0), knots_(yarns.knots.size()),
       owned_(yarns.owned_knots) {
-  const std::size_t edges = yarns.segments.empty() ? 0 : yarns.segments.back().end;
-  lower_.assign(edges, 0.0);
+  lower_.assign(yarns.edges(), 0.0);
   if (std::any_of(yarns.segments.begin(), yarns.segments.end(), [](const YarnSegment& s) { return s.cut; }))
-    to_begin_.assign(edges, 0.0);
-  inverse_diagonal_.assign(edges, 0.0);
+    to_begin_.assign(yarns.edges(), 0.0);
+  inverse_diagonal_.assign(yarns.edges(), 0.0);
 }
 
 namespace {

@@ -5,14 +5,43 @@
 
 namespace taut {
 
-/// The part of the projection matrix that lies along yarns.
+/// The part of a matrix over edges that lies along yarns.
 struct YarnTridiagonal {
+  YarnTridiagonal() = default;
+  /// Of zeros.
+  explicit YarnTridiagonal(const Yarns& yarns);
+
+  /// From the entries `on_diagonal(e)` of owned edges and `coupling(e, f)` of an owned edge to one before it.
+  template<class OnDiagonal, class Coupling>
+  void fill(const Yarns& yarns, OnDiagonal&& on_diagonal, Coupling&& coupling) {
+    for (const YarnSegment& s : yarns.segments)
+      for (Local e = s.begin; e < s.end; ++e) {
+        diagonal[e] = on_diagonal(e);
+        if (e > s.begin) to_previous[e] = coupling(e, e - 1);
+      }
+    for (std::size_t k = 0; k < yarns.knots.size(); ++k)
+      if (yarns.before_knot[k] >= 0) to_segment_before[k] = coupling(yarns.knots[k], yarns.before_knot[k]);
+  }
+
   std::vector<double> diagonal; ///< of owned edges
   std::vector<double>
       to_previous; ///< coupling of an owned edge to the edge before it in its segment; 0 where one begins
   std::vector<double>
       to_segment_before; ///< coupling of each knot to `Yarns::before_knot`; 0 where there is none
 };
+
+/// The entry (e, f) of a matrix that two edges have because they share vertices: the sum of `value(v)` over
+/// these, negative where one edge begins and the other ends.
+template<class Value>
+double sum_over_shared(const DistributedMesh& mesh, Local e, Local f, Value&& value) {
+  double sum = 0;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const Local v = mesh.edge_vertices[e][i];
+      if (v == mesh.edge_vertices[f][j]) sum += (i == j ? 1 : -1) * value(v);
+    }
+  return sum;
+}
 
 /// Exact factorisation of the tridiagonal blocks of all yarns, across ranks. Each rank eliminates the inside
 /// of its segments of a cut yarn; what is left couples the knots of the yarn in one small tridiagonal system,
