@@ -129,7 +129,8 @@ struct ProjectionSystem::Petsc {
   OwnedMat matrix;
   OwnedMat shell; ///< stands for `operation`; made when it is first needed
   const Operator* operation = nullptr;
-  OwnedVec rhs, solution, factor, product; ///< the last two without memory of their own
+  OwnedVec solution;
+  OwnedVec rhs, factor, product; ///< without memory of their own
   LinearSolver solver;
 
   Petsc(const DistributedMesh& mesh, const SolverOptions& options)
@@ -169,8 +170,8 @@ ProjectionSystem::ProjectionSystem(const DistributedMesh& mesh, const SolverOpti
                                        ghost.columns.data(), ghost.values.data(), p.matrix.address()));
   if (options.matrix == SolverOptions::Matrix::positive_definite)
     check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
-  check(MatCreateVecs(p.matrix, p.solution.address(), p.rhs.address()));
-  for (OwnedVec* v : {&p.factor, &p.product})
+  check(MatCreateVecs(p.matrix, p.solution.address(), nullptr));
+  for (OwnedVec* v : {&p.rhs, &p.factor, &p.product})
     check(VecCreateMPIWithArray(mesh.comm, 1, owned, total, nullptr, v->address()));
   attach(p.matrix, p.blocks);
 }
@@ -222,10 +223,10 @@ void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3
 SolveReport ProjectionSystem::Petsc::solve(const DistributedMesh& mesh, Mat system, std::span<const double> b,
                                            double tolerance, std::vector<double>& mu) {
   check(KSPSetOperators(solver, system, matrix));
-  const auto owned = std::size_t(mesh.edges.owned);
-  put(b.first(owned), rhs);
+  check(VecPlaceArray(rhs, b.data()));
   const SolveReport report = solver.solve(rhs, solution, tolerance);
-  take(solution, std::span(mu).first(owned));
+  check(VecResetArray(rhs));
+  take(solution, std::span(mu).first(std::size_t(mesh.edges.owned)));
   mesh.edge_halo.update(mu);
   return report;
 }
