@@ -8,9 +8,9 @@
 
 namespace taut {
 
-/// Of a step, from where half its length is cheaper: on two-pins with 561 x 561 vertices steps of 10 ms take
-/// 310, of 5 ms 146, of 2.5 ms 34, beside 23 to 32 of the velocity solve.
-constexpr int many_linear_iterations = 100;
+/// Of a step, from where half its length is cheaper. The first 0.3 s of two-pins with 561 x 561 vertices took
+/// 209 s with this number, 235 with 100, where velocity solves become too many, and 264 without any.
+constexpr int many_linear_iterations = 200;
 
 template<class Rows>
 FastProjection<Rows>::FastProjection(const Cloth& cloth, const config::Inextensibility& options,
