@@ -48,6 +48,7 @@ public:
   SolveReport solve(const Operator& a, std::span<const double> rhs, double tolerance, std::vector<double>& mu,
                     std::span<const double> added_to_inverse = {});
 
+  /// Of the mesh; they live as long as the system.
   const Yarns& yarns() const;
 
   /// product = (S + diag a) mu over owned edges. Collective over neighbours.
