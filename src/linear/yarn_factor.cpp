@@ -1,6 +1,7 @@
 #include "src/linear/yarn_factor.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace taut {
 
@@ -96,12 +97,7 @@ void YarnFactor::solve_any(std::span<const T> b, std::span<T> x) const {
   }
   for (std::size_t k = 0; k < here.size(); ++k) here[k] = x[yarns_.knots[k]];
   yarns_.to_owner.begin_forward<T>(here);
-  for (std::size_t k = 0; k < yarns_.segments.size(); ++k) {
-    const YarnSegment& s = yarns_.segments[k];
-    if (is_identity_[k] && b.data() != x.data())
-      std::copy(b.begin() + s.begin, b.begin() + s.end, x.begin() + s.begin);
-    if (!s.cut && !is_identity_[k]) solve_whole(s, b, x);
-  }
+  solve_uncut(b, x);
   yarns_.to_owner.end_forward<T>(owned);
   solve_knots<T>(owned);
   yarns_.to_owner.reverse<T>(owned, here);
@@ -111,12 +107,48 @@ void YarnFactor::solve_any(std::span<const T> b, std::span<T> x) const {
 }
 
 template<class T>
-void YarnFactor::solve_whole(const YarnSegment& s, std::span<const T> b, std::span<T> x) const {
-  T carried = b[s.begin];
-  x[s.begin] = carried;
-  for (Local i = s.begin + 1; i < s.end; ++i) x[i] = carried = b[i] - lower_[i] * carried;
-  x[s.end - 1] *= inverse_diagonal_[s.end - 1];
-  for (Local i = s.end - 1; i-- > s.begin;) x[i] = x[i] * inverse_diagonal_[i] - lower_[i + 1] * x[i + 1];
+void YarnFactor::solve_uncut(std::span<const T> b, std::span<T> x) const {
+  std::array<YarnSegment, 4> some; // more at a time are no faster
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < yarns_.segments.size(); ++k) {
+    const YarnSegment& s = yarns_.segments[k];
+    if (is_identity_[k] && b.data() != x.data())
+      std::copy(b.begin() + s.begin, b.begin() + s.end, x.begin() + s.begin);
+    if (s.cut || is_identity_[k]) continue;
+    some[n++] = s;
+    if (n < some.size()) continue;
+    solve_together(some, b, x);
+    n = 0;
+  }
+  for (const YarnSegment& s : std::span(some).first(n)) solve_together(std::array{s}, b, x);
+}
+
+/// Edge by edge in turn: along one segment, every number has to wait for the one before it.
+template<class T, std::size_t n>
+void YarnFactor::solve_together(const std::array<YarnSegment, n>& segments, std::span<const T> b,
+                                std::span<T> x) const {
+  std::array<T, n> carried;
+  const auto eliminate = [&](std::size_t j, Local i) { x[i] = carried[j] = b[i] - lower_[i] * carried[j]; };
+  const auto substitute = [&](std::size_t j, Local i) {
+    x[i] = carried[j] = x[i] * inverse_diagonal_[i] - lower_[i + 1] * carried[j];
+  };
+  Local shortest = segments[0].size();
+  for (const YarnSegment& s : segments) shortest = std::min(shortest, s.size());
+
+  for (std::size_t j = 0; j < n; ++j) x[segments[j].begin] = carried[j] = b[segments[j].begin];
+  for (Local k = 1; k < shortest; ++k)
+    for (std::size_t j = 0; j < n; ++j) eliminate(j, segments[j].begin + k);
+  for (std::size_t j = 0; j < n; ++j)
+    for (Local i = segments[j].begin + shortest; i < segments[j].end; ++i) eliminate(j, i);
+
+  for (std::size_t j = 0; j < n; ++j) {
+    const Local last = segments[j].end - 1;
+    x[last] = carried[j] = x[last] * inverse_diagonal_[last];
+  }
+  for (Local k = 2; k <= shortest; ++k)
+    for (std::size_t j = 0; j < n; ++j) substitute(j, segments[j].end - k);
+  for (std::size_t j = 0; j < n; ++j)
+    for (Local i = segments[j].end - shortest; i-- > segments[j].begin;) substitute(j, i);
 }
 
 template<class T>

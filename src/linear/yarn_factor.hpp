@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/yarns.hpp"
 
+#include <array>
 #include <tuple>
 
 namespace taut {
@@ -74,7 +75,9 @@ private:
   template<class T>
   void solve_any(std::span<const T> b, std::span<T> x) const;
   template<class T>
-  void solve_whole(const YarnSegment& s, std::span<const T> b, std::span<T> x) const;
+  void solve_uncut(std::span<const T> b, std::span<T> x) const;
+  template<class T, std::size_t n>
+  void solve_together(const std::array<YarnSegment, n>& segments, std::span<const T> b, std::span<T> x) const;
   template<class T>
   void eliminate_inside(const YarnSegment& s, std::span<T> x) const;
   template<class T>
