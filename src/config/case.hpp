@@ -228,7 +228,7 @@ struct Time {
 
 struct Velocity {
   LinearSolver solver = LinearSolver::cg;
-  double tolerance = 1e-4;
+  double tolerance = 3e-4;
   int max_iterations = 1000;
   ConstraintSolver constraints = ConstraintSolver::projected;
   bool operator==(const Velocity&) const = default;
