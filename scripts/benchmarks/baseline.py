@@ -3,6 +3,8 @@ import json
 import math
 import subprocess
 
+from benchmarks import refined
+
 LIMIT = 0.01  # strain
 ROUNDS = 6
 
@@ -23,9 +25,7 @@ def report(program, run, sides, end):
     print(f"two-pins until {end:g} s, one core, largest strain at most {100 * LIMIT:g} %")
     print(f"{'vertices':>9} {'method':<12} {'CPU s/s':>9} {'strain %':>9} {'depth m':>8}   ")
     for side in sides:
-        settings = [f"cloth.grid.vertices=[{side}, {side}]", f"pins=[{{vertices: [0, {side - 1}]}}]",
-                    f"time.end={end}"]
-        summary = run("two-pins", settings)
+        summary = run(refined.CASE, [*refined.with_side(side), f"time.end={end}"])
         xpbd = plain_xpbd(program, side, 4 * side, end)
         taut = summary["seconds"]["cpu"] / end
         print(f"{side**2:>9} {'Taut':<12} {taut:>9.2f} {100 * summary['strain']['max']:>9.2f} {summary['depth']:>8.3f}")

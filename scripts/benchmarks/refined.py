@@ -6,8 +6,12 @@ CASE = "two-pins"
 RATE = 25  # frames a second
 
 
+def with_side(side):
+    return [f"cloth.grid.vertices=[{side}, {side}]", f"pins=[{{vertices: [0, {side - 1}]}}]"]
+
+
 def sets(side, end, *more):
-    return [f"cloth.grid.vertices=[{side}, {side}]", f"pins=[{{vertices: [0, {side - 1}]}}]", f"time.end={end}", f"time.frame_rate={1 / end}", *more]
+    return [*with_side(side), f"time.end={end}", f"time.frame_rate={1 / end}", *more]
 
 
 def fitted_exponent(numbers, values):
