@@ -18,7 +18,8 @@ inline Result result_of(const Simulation& simulation) {
   const State& s = simulation.state();
   return {gather<Vec3>(mesh.comm, mesh.vertices, s.positions),
           gather<Vec3>(mesh.comm, mesh.vertices, s.velocities),
-          gather<double>(mesh.comm, mesh.edges, s.force_density), s.step, simulation.rejected_steps()};
+          gather<double>(mesh.comm, mesh.edges, s.multipliers.force_density), s.step,
+          simulation.rejected_steps()};
 }
 
 /// The first `ranks` ranks of all; MPI_COMM_NULL on the others.
@@ -78,7 +79,7 @@ inline Result go_on(
     Simulation simulation(comm, case_of(text));
     Checkpoint c = read_checkpoint(file, simulation.cloth().mesh);
     change(c.state);
-    simulation.go_on_from(std::move(c.state), c.step_size, c.rejected_steps);
+    simulation.restore(std::move(c.state), c.step_size, c.rejected_steps);
     EXPECT_TRUE(simulation.run({}).completed());
     result = result_of(simulation);
   });

@@ -10,7 +10,9 @@ using namespace taut::test;
 
 namespace {
 
-std::vector<Fold> folds(const Bed& b) { return folds_of(b.cloth, material.bending, 3 * material.bending); }
+std::vector<HingeStencil> folds(const Bed& b) {
+  return folds_of(b.cloth, material.bending, 3 * material.bending);
+}
 
 std::unique_ptr<Force> isometric(const Bed& b) {
   return std::make_unique<IsometricBending>(b.cloth, b.pattern, folds(b), 0.0);

@@ -132,9 +132,9 @@ TEST(Checkpoint, HoldsEverything) {
   EXPECT_EQ(read.state.step, 3);
   EXPECT_EQ(read.state.positions, written.state.positions) << "ghosts too";
   EXPECT_EQ(read.state.velocities, written.state.velocities);
-  EXPECT_EQ(read.state.force_density, written.state.force_density);
-  EXPECT_EQ(read.state.pulled, written.state.pulled);
-  EXPECT_EQ(read.state.contact_force, written.state.contact_force);
+  EXPECT_EQ(read.state.multipliers.force_density, written.state.multipliers.force_density);
+  EXPECT_EQ(read.state.multipliers.projection_tension, written.state.multipliers.projection_tension);
+  EXPECT_EQ(read.state.multipliers.carried_contact_force, written.state.multipliers.carried_contact_force);
   EXPECT_EQ(read.step_size.step, 0.1 / 3);
   EXPECT_EQ(read.step_size.successes, 2);
   EXPECT_EQ(read.step_size.patience, 16);
@@ -227,7 +227,7 @@ TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
   for (int i = 0; i < 20; ++i) {
     const double dt = size.choose(0, 1).dt;
     size.accepted();
-    size.laboured(dt);
+    size.too_costly(dt);
   }
   EXPECT_LT(size.choose(0, 1).dt, 0.0013);
   EXPECT_GT(size.choose(0, 1).dt, 0.0006);

@@ -88,7 +88,7 @@ TEST(Constrained, IcdEndsWhereForcesBalance) {
     const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]],
                  b = mesh.vertices.original[mesh.edge_vertices[e][1]];
     const Vec3 pull =
-        t.candidate.force_density[e] * t.dt * t.dt * (x.segment<3>(3 * b) - x.segment<3>(3 * a));
+        t.candidate.multipliers.force_density[e] * t.dt * t.dt * (x.segment<3>(3 * b) - x.segment<3>(3 * a));
     force.segment<3>(3 * a) -= pull;
     force.segment<3>(3 * b) += pull;
   }
@@ -140,7 +140,8 @@ TEST(Constrained, CarriedTensionDoesNotChangeTheResult) {
     Thrown plain(serial(sheet), rest_of, disturbed), carried(serial(sheet), rest_of, disturbed);
     ASSERT_EQ(plain.apply(how).failure, "");
     const DistributedMesh& mesh = carried.cloth.mesh;
-    std::fill(carried.candidate.force_density.begin(), carried.candidate.force_density.end(), density);
+    std::fill(carried.candidate.multipliers.force_density.begin(),
+              carried.candidate.multipliers.force_density.end(), density);
     Dense a = Dense::Zero(3 * 63, 3 * 63); // a candidate with tension in it: (M + h^2 L(q)) x = M x0
     Column b = Column::Zero(3 * 63);
     const Column x0 = carried.end();

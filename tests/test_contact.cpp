@@ -73,7 +73,7 @@ TEST(Advance, KeepsTheFloorAndDoesNotStopForNothing) {
       const Four x = random_four(seed), u = random_four(seed + 1000, 2.0);
       const double gap = approach(pair, x).gap, floor = 0.2 * gap;
       if (gap <= 0) continue;
-      const double part = advance(pair, x, u, floor);
+      const double part = safe_fraction(pair, x, u, floor);
       double least = gap;
       for (int k = 0; k <= 200; ++k) least = std::min(least, approach(pair, moved(x, u, part * k / 200)).gap);
       EXPECT_GE(least, floor - 1e-12) << seed;

@@ -49,7 +49,7 @@ class MeanForce : public Observer {
 public:
   void after_step(const State& state, const StepRecord& record) override {
     if (state.time < 0.1) return;
-    impulse_ += record.dt * sum_of(state.pressing);
+    impulse_ += record.dt * sum_of(state.reported.contact_force);
     time_ += record.dt;
   }
   Vec3 value() const { return impulse_ / time_; }

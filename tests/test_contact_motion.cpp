@@ -211,7 +211,7 @@ TEST(ContactProjection, IsNotShakenByStepsThatAreSuddenlyShort) {
   run_to_the_end(simulation, before);
   input.time.end = 0.30002;
   Simulation shorter(world, input);
-  shorter.go_on_from(simulation.state(), {.step = 1e-5}, 0);
+  shorter.restore(simulation.state(), {.step = 1e-5}, 0);
   Recorder after(shorter);
   run_to_the_end(shorter, after);
   ASSERT_EQ(after.records.size(), 2u);

@@ -44,8 +44,8 @@ Global contacts_in(const std::filesystem::path& checkpoint) {
 }
 
 void forget(State& state) {
-  state.contacts.clear();
-  std::fill(state.pulled.begin(), state.pulled.end(), 0.0);
+  state.multipliers.contacts.clear();
+  std::fill(state.multipliers.projection_tension.begin(), state.multipliers.projection_tension.end(), 0.0);
 }
 
 /// Returns how many contacts the checkpoint holds.
@@ -99,8 +99,8 @@ TEST(ContactResume, ForgetsWhatTheLastStepDidNotPress) {
   Simulation simulation(world, case_of(text));
   Checkpoint c = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
   const ContactKey foreign{0, 14, 210, 224};
-  if (rank_of(world) == 0) c.state.contacts[foreign].pressed.normal = 1;
-  simulation.go_on_from(std::move(c.state), c.step_size, c.rejected_steps);
+  if (rank_of(world) == 0) c.state.multipliers.contacts[foreign].pressed.normal = 1;
+  simulation.restore(std::move(c.state), c.step_size, c.rejected_steps);
   EXPECT_EQ(simulation.run({}, [&] { return simulation.state().step == 13; }).ending, Ending::interrupted);
   EXPECT_FALSE(any_of(world, simulation.state().contacts.contains(foreign)));
   write_checkpoint(folder / "b.h5", simulation.cloth().mesh, checkpoint_of(simulation));
@@ -164,10 +164,10 @@ TEST_F(Contacts, AreHandedOutOnceAndShared) {
 TEST_F(Contacts, ComeBackFromACheckpoint) {
   const Folder folder;
   Checkpoint written = checkpoint_of(simulation);
-  written.state.contacts = at_home;
+  written.state.multipliers.contacts = at_home;
   write_checkpoint(folder / "a.h5", mesh, written);
   EXPECT_EQ(contacts_in(folder / "a.h5"), 30);
-  const ContactMemory read = read_checkpoint(folder / "a.h5", mesh).state.contacts;
+  const ContactMemory read = read_checkpoint(folder / "a.h5", mesh).state.multipliers.contacts;
   ASSERT_EQ(read.size(), at_home.size());
   for (const auto& [k, e] : at_home) EXPECT_EQ(column(read.at(k)), column(e));
 }
@@ -175,7 +175,7 @@ TEST_F(Contacts, ComeBackFromACheckpoint) {
 TEST_F(Contacts, WithoutTheClothAreRefused) {
   const Folder folder;
   Checkpoint broken = checkpoint_of(simulation);
-  if (rank_of(world) == 0) broken.state.contacts[{225, 226, -1, -1}] = entry(1);
+  if (rank_of(world) == 0) broken.state.multipliers.contacts[{225, 226, -1, -1}] = entry(1);
   write_checkpoint(folder / "a.h5", mesh, broken);
   try {
     read_checkpoint(folder / "a.h5", mesh);

@@ -41,7 +41,7 @@ struct Throw {
     const IndexMap& map = cloth.mesh.vertices;
     start.positions = cloth.mesh.rest_positions;
     for (const Global v : map.original) candidate.velocities.push_back(velocity(v));
-    candidate.force_density.assign(cloth.mesh.edges.size(), 0.0);
+    candidate.multipliers.force_density.assign(cloth.mesh.edges.size(), 0.0);
     prescribed.assign(map.size(), 0);
   }
 
@@ -52,7 +52,7 @@ struct Throw {
   }
 
   FilterReport project(const config::Inextensibility& how) {
-    return FastProjection<EdgeRows>(cloth, how, 0.0).apply(start, dt, prescribed, candidate);
+    return FastProjection<EdgeSet>(cloth, how, 0.0).apply(start, dt, prescribed, candidate);
   }
 
   /// Over all ranks.
@@ -164,7 +164,8 @@ TEST(FastProjection, ReportsTheTensionThatItApplied) {
     double impulse = 0, tension = 0;
     for (Local i = 0; i < map.owned; ++i)
       if (map.original[i] == 0) impulse = t.cloth.mass[i] * t.candidate.velocities[i][0];
-    for (Local e = 0; e < t.cloth.mesh.edges.owned; ++e) tension = t.candidate.force_density[e] * length;
+    for (Local e = 0; e < t.cloth.mesh.edges.owned; ++e)
+      tension = t.candidate.multipliers.force_density[e] * length;
     EXPECT_NEAR(sum_over(world, tension) * dt / sum_over(world, impulse), 1, 1.1 * stretch);
     const double mass = config::Material{}.density * length / 2, surplus = stretch * length / dt / 2;
     EXPECT_NEAR(sum_over(world, impulse) / (mass * surplus), 1,

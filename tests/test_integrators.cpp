@@ -127,7 +127,7 @@ double oscillator_error(double h, double ratio) {
     const Vec3 v = (start.state.velocities[0] - k * start.state.positions[0]) / (1 + k * k);
     const Vec3 x = start.state.positions[0] + k * v;
     EXPECT_NEAR(start.state.time + k, state.time + dt, 1e-15);
-    integrator.remember(state, dt);
+    integrator.store_history(state, dt);
     state.positions = {x};
     state.velocities = {v};
     state.time += dt;
@@ -151,11 +151,11 @@ TEST(Bdf2, BeginsAndJumpsWithAnEulerStep) {
   state.positions = {Vec3(1, 2, 3)};
   state.velocities = {Vec3(4, 5, 6)};
   EXPECT_EQ(&bdf2.start(state, 0.1).state, &state); // the first
-  bdf2.remember(state, 0.1);
+  bdf2.store_history(state, 0.1);
   EXPECT_EQ(state.previous_dt, 0.1);
   EXPECT_EQ(&bdf2.start(state, 0.25).state, &state); // longer by more than 1 + sqrt 2
   EXPECT_NE(&bdf2.start(state, 0.2).state, &state);
-  euler.remember(state, 0.2);
+  euler.store_history(state, 0.2);
   EXPECT_EQ(state.previous_dt, 0.1);
 }
 

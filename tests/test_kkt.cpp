@@ -13,19 +13,19 @@ constexpr auto cg = SolverOptions::Kind::cg, mumps = SolverOptions::Kind::mumps;
 
 /// Everything by original number.
 struct Whole {
-  std::vector<double> mass, weight, shift, gap;
+  std::vector<double> mass, weight, scaled_compliance, gap;
   std::vector<Vec3> gradient, force;
   std::vector<char> prescribed;
 
   /// With scattered vertices held, of which some are the two ends of an edge.
   explicit Whole(const DistributedMesh& mesh)
       : mass(random_numbers(mesh.vertices.total, 0.5, 1)), weight(random_numbers(mesh.edges.total, 0.5, 2)),
-        shift(random_numbers(mesh.edges.total, 0.1, 3)), gap(random_numbers(mesh.edges.total, 1, 4)),
-        gradient(random_vectors(mesh.edges.total, 1, 5)), force(random_vectors(mesh.vertices.total, 1, 6)),
-        prescribed(mesh.vertices.total, 0) {
+        scaled_compliance(random_numbers(mesh.edges.total, 0.1, 3)),
+        gap(random_numbers(mesh.edges.total, 1, 4)), gradient(random_vectors(mesh.edges.total, 1, 5)),
+        force(random_vectors(mesh.vertices.total, 1, 6)), prescribed(mesh.vertices.total, 0) {
     for (double& m : mass) m += 1;
     for (double& w : weight) w += 0.5;
-    for (double& a : shift) a += 0.2;
+    for (double& a : scaled_compliance) a += 0.2;
     for (const Global held : {0, 1, 8, 13, 18, 22}) prescribed[held] = 1;
     for (Local e = 0; e < mesh.edges.owned; ++e) {
       const auto& [a, b] = mesh.edge_vertices[e];
@@ -51,7 +51,7 @@ Column solution(const DistributedMesh& mesh, const Whole& w) {
       k.block<3, 3>(3 * i, 3 * j) += sign * w.weight[row] * Mat3::Identity();
     k.block<1, 3>(n + row, 3 * a) = -w.gradient[row].transpose();
     k.block<1, 3>(n + row, 3 * c) = w.gradient[row].transpose();
-    k(n + row, n + row) = w.prescribed[a] && w.prescribed[c] ? -1 : -w.shift[row];
+    k(n + row, n + row) = w.prescribed[a] && w.prescribed[c] ? -1 : -w.scaled_compliance[row];
     b[n + row] = -w.gap[row];
   }
   k.topRightCorner(n, m) = k.bottomLeftCorner(m, n).transpose();
@@ -76,11 +76,12 @@ TEST(KktSystem, SolvesForPositionsAndTensions) {
       const Pattern pattern(mesh);
       KktSystem system(mesh, pattern, {.kind = kind});
       const auto mass = local(mesh.vertices, whole.mass), weight = local(mesh.edges, whole.weight),
-                 shift = local(mesh.edges, whole.shift), gap = local(mesh.edges, whole.gap);
+                 scaled_compliance = local(mesh.edges, whole.scaled_compliance),
+                 gap = local(mesh.edges, whole.gap);
       const auto gradient = local(mesh.edges, whole.gradient), force = local(mesh.vertices, whole.force);
       const auto prescribed = local(mesh.vertices, whole.prescribed);
       const Freedom freedom(prescribed);
-      system.assemble({mass, weight, gradient, shift, &freedom});
+      system.assemble({mass, weight, gradient, scaled_compliance, &freedom});
       std::vector<Vec3> dx(mesh.vertices.size());
       std::vector<double> dmu(mesh.edges.size());
       EXPECT_EQ(system.solve(force, gap, 1e-12, dx, dmu).failure, "");
@@ -102,7 +103,7 @@ TEST(NonsymmetricProjection, SolvesItsSystem) {
   std::vector<Vec3> rows = random_vectors(m, 0.3, 7);
   for (Global e = 0; e < m; ++e) rows[e] += whole.gradient[e];
   Dense j = Dense::Zero(m, n), turned = j, w = Dense::Zero(n, n);
-  std::vector<double> inverse_mass(whole_mesh.vertices.total), shift = whole.shift;
+  std::vector<double> inverse_mass(whole_mesh.vertices.total), scaled_compliance = whole.scaled_compliance;
   for (Global v = 0; v < whole_mesh.vertices.total; ++v) {
     inverse_mass[v] = whole.prescribed[v] ? 0 : 1 / whole.mass[v];
     w.block<3, 3>(3 * v, 3 * v) = inverse_mass[v] * Mat3::Identity();
@@ -116,7 +117,8 @@ TEST(NonsymmetricProjection, SolvesItsSystem) {
     }
   }
   Dense matrix = turned * w * j.transpose();
-  for (Global e = 0; e < m; ++e) matrix(e, e) += j.row(e) * w * j.row(e).transpose() > 0 ? shift[e] : 1;
+  for (Global e = 0; e < m; ++e)
+    matrix(e, e) += j.row(e) * w * j.row(e).transpose() > 0 ? scaled_compliance[e] : 1;
   const Column expected =
       matrix.partialPivLu().solve(Eigen::Map<const Column>(whole.gap.data(), Eigen::Index(whole.gap.size())));
   for (const auto kind : {cg, mumps})
@@ -124,7 +126,7 @@ TEST(NonsymmetricProjection, SolvesItsSystem) {
       ProjectionSystem system(mesh, {.kind = kind, .matrix = SolverOptions::Matrix::nonsymmetric});
       system.assemble(local(mesh.edges, rows), local(mesh.edges, whole.gradient),
                       local(mesh.vertices, inverse_mass), Freedom(mesh.vertices.size()),
-                      local(mesh.edges, shift));
+                      local(mesh.edges, scaled_compliance));
       std::vector<double> mu(mesh.edges.size());
       EXPECT_EQ(system.solve(local(mesh.edges, whole.gap), 1e-12, mu).failure, "");
       EXPECT_LT(relative_error(gather<double>(mesh.comm, mesh.edges, mu), expected), 1e-9);

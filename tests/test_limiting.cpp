@@ -71,7 +71,8 @@ TEST(StrainLimiting, ReachesTheLimitToTheSameBitAtAnyRankCount) {
     Thrown alone(serial(sheet), rest_of, disturbed);
     const FilterReport expected = alone.apply(how);
     const Column end = alone.end();
-    const Column tension = gather<double>(self, alone.cloth.mesh.edges, alone.candidate.force_density);
+    const Column tension =
+        gather<double>(self, alone.cloth.mesh.edges, alone.candidate.multipliers.force_density);
     on_odd_partitions(sheet, [&](DistributedMesh mesh) {
       Thrown t(std::move(mesh), rest_of, disturbed);
       EXPECT_GT(t.strain(), 0.1);
@@ -80,7 +81,7 @@ TEST(StrainLimiting, ReachesTheLimitToTheSameBitAtAnyRankCount) {
       EXPECT_EQ(report.iterations, expected.iterations);
       EXPECT_LE(t.strain(), 1e-3);
       EXPECT_EQ(t.end(), end);
-      EXPECT_EQ(gather<double>(world, t.cloth.mesh.edges, t.candidate.force_density), tension);
+      EXPECT_EQ(gather<double>(world, t.cloth.mesh.edges, t.candidate.multipliers.force_density), tension);
     });
   }
 }
@@ -128,7 +129,7 @@ TEST(StrainLimiting, ReportsTheTensionThatItApplied) {
         serial(dumbbell), [](Global v) { return Vec3(0.1 * double(v), 0, 0); },
         [](Global v) { return std::optional(Vec3(0.1 * (1 + stretch) * double(v), 0, 0)); });
     EXPECT_EQ(t.apply(method(m, cg, 1e-12)).failure, "");
-    const double tension = t.candidate.force_density[0] * 0.1;
+    const double tension = t.candidate.multipliers.force_density[0] * 0.1;
     EXPECT_NEAR(tension * t.dt * t.dt / t.cloth.mass[0], 0.1 * stretch / 2, 1e-12);
   }
 }

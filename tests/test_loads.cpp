@@ -52,7 +52,7 @@ TEST(Bending, OfACylinderIsHalfBKappaSquaredPerArea) {
     on_odd_partitions(mesh, [&](DistributedMesh distributed) {
       const Bed bed(std::move(distributed));
       const double energy =
-          sum_over(world, bending(bed)->energy({0, 0, bed.cloth.mesh.rest_positions, {}, {}, {}}));
+          sum_over(world, bending(bed)->energy({.positions = bed.cloth.mesh.rest_positions}));
       // The curvature of three points at chords d on a circle is 1/R exactly; the area of the chords falls
       // short by (d/R)^2 / 24.
       EXPECT_NEAR(energy / expected, 1, edge_over_radius * edge_over_radius / 20);
@@ -99,7 +99,7 @@ TEST_F(Loads, CarriedTensionIsALaplacian) {
   for (Local e = 0; e < mesh.edges.owned; ++e) {
     const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]];
     const Global b = mesh.vertices.original[mesh.edge_vertices[e][1]];
-    const double q = std::max(0.0, state_.force_density[mesh.edges.original[e]]);
+    const double q = std::max(0.0, state_.multipliers.force_density[mesh.edges.original[e]]);
     for (int k = 0; k < 3; ++k) {
       const Column ends = Column::Unit(3 * n, 3 * a + k) - Column::Unit(3 * n, 3 * b + k);
       expected += q * ends * ends.transpose();
@@ -120,7 +120,7 @@ TEST(Gravity, BearsTheWholeWeightOnce) {
   const auto grid = [](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {9, 7}); };
   on_odd_partitions(grid, [&](DistributedMesh mesh) {
     const Bed bed(std::move(mesh));
-    const State rest{0, 0, bed.cloth.mesh.rest_positions, {}, {}, {}};
+    const State rest{.positions = bed.cloth.mesh.rest_positions};
     StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
     system.start(1.0);
     gravity(bed)->add_to(system, rest);

@@ -54,13 +54,13 @@ struct Throw {
   explicit Throw(DistributedMesh mesh) : cloth(make_cloth(std::move(mesh), config::Material{})) {
     const IndexMap& map = cloth.mesh.vertices;
     start.positions = cloth.mesh.rest_positions;
-    start.stress.assign(map.size(), Vec2::Zero());
+    start.multipliers.stress.assign(map.size(), Vec2::Zero());
     held.assign(map.size(), 0);
     for (const Vec3& p : cloth.mesh.rest_positions) // stretch to 1.15, shear, and a wave 10 cm high
       candidate.velocities.emplace_back(15 * p[0] + 10 * p[1], -10 * p[1],
                                         10 * std::sin(8 * p[0] + 5 * p[1]));
-    candidate.force_density.assign(cloth.mesh.edges.size(), 0.0);
-    candidate.stress = start.stress;
+    candidate.multipliers.force_density.assign(cloth.mesh.edges.size(), 0.0);
+    candidate.multipliers.stress = start.multipliers.stress;
   }
 
   void hold_corners() {
@@ -72,7 +72,7 @@ struct Throw {
   }
 
   FilterReport project(const config::Inextensibility& how) {
-    return FastProjection<MetricRows>(cloth, how, 0.0).apply(start, dt, held, candidate);
+    return FastProjection<MetricSet>(cloth, how, 0.0).apply(start, dt, held, candidate);
   }
   std::vector<Vec3> end() const {
     std::vector<Vec3> x = start.positions;
@@ -136,7 +136,7 @@ TEST(AveragedMetric, IsTheSameOnAnyPartition) {
   });
 }
 
-TEST(MetricRows, BringStrainWithinTheLimit) {
+TEST(MetricSet, BringStrainWithinTheLimit) {
   for (const auto solver : {cg, mumps})
     for (const MakeMesh& make : {MakeMesh(flat_triangles), MakeMesh(uneven_triangles)})
       on_odd_partitions(make, [&](DistributedMesh mesh) {
@@ -156,7 +156,7 @@ TEST(MetricRows, BringStrainWithinTheLimit) {
 
 // Tensions are internal: they leave the momentum of a free cloth alone, and their work on a small motion is
 // what the constraints change by it.
-TEST(MetricRows, KeepsMomentum) {
+TEST(MetricSet, KeepsMomentum) {
   on_odd_partitions(uneven_triangles, [](DistributedMesh mesh) {
     Throw t(std::move(mesh));
     const Vec3 before = t.momentum();
@@ -165,10 +165,10 @@ TEST(MetricRows, KeepsMomentum) {
   });
 }
 
-TEST(MetricRows, PullAlongTheDerivativesOfTheConstraints) {
+TEST(MetricSet, PullAlongTheDerivativesOfTheConstraints) {
   Throw t(serial(uneven_triangles));
   const auto before = t.candidate.velocities;
-  MetricRows rows(t.cloth, limits(0.01, mumps), 0.0);
+  MetricSet rows(t.cloth, limits(0.01, mumps), 0.0);
   const std::vector<Vec3> x = t.end();
   rows.start(t.start, dt, Freedom(t.held), t.candidate);
   rows.evaluate(x);
@@ -185,7 +185,8 @@ TEST(MetricRows, PullAlongTheDerivativesOfTheConstraints) {
   const std::vector<Vec2> g1 = metric_at(t.cloth, ahead), g0 = metric_at(t.cloth, behind);
   double work = 0, expected = 0;
   for (Local i = 0; i < t.cloth.mesh.vertices.owned; ++i) {
-    expected += 0.5 * t.cloth.measure[i] * t.candidate.stress[i].dot(g1[i] - g0[i]) / (2 * epsilon);
+    expected +=
+        0.5 * t.cloth.measure[i] * t.candidate.multipliers.stress[i].dot(g1[i] - g0[i]) / (2 * epsilon);
     work += t.cloth.mass[i] / (dt * dt) * rows.pulled(i).dot(direction[i]);
   }
   EXPECT_GT(std::abs(expected), 1);
@@ -194,20 +195,20 @@ TEST(MetricRows, PullAlongTheDerivativesOfTheConstraints) {
   double along_edges = 0;
   for (Local e = 0; e < t.cloth.mesh.edges.owned; ++e) {
     const auto& [a, b] = t.cloth.mesh.edge_vertices[e];
-    along_edges += t.candidate.force_density[e] * (x[b] - x[a]).dot(direction[b] - direction[a]);
+    along_edges += t.candidate.multipliers.force_density[e] * (x[b] - x[a]).dot(direction[b] - direction[a]);
   }
   EXPECT_NEAR(along_edges / expected, 1, 1e-7);
 }
 
 // (J W J^T + a) d_mu = C: a small part of the pull changes the constraints by that part of C - a d_mu.
-TEST(MetricRows, SolveForWhatIsLeft) {
+TEST(MetricSet, SolveForWhatIsLeft) {
   for (const auto solver : {cg, mumps})
     on_odd_partitions(uneven_triangles, [&](DistributedMesh mesh) {
       Throw t(std::move(mesh));
       t.hold_corners();
       const DistributedMesh& m = t.cloth.mesh;
       const config::Inextensibility how = limits(1e-3, solver);
-      MetricRows rows(t.cloth, how, 0.0);
+      MetricSet rows(t.cloth, how, 0.0);
       const std::vector<Vec3> x = t.end();
       rows.start(t.start, dt, Freedom(t.held), t.candidate);
       rows.evaluate(x);
@@ -224,13 +225,14 @@ TEST(MetricRows, SolveForWhatIsLeft) {
       const auto g = metric_at(t.cloth, x), g1 = metric_at(t.cloth, ahead), g0 = metric_at(t.cloth, behind);
       for (Local i = 0; i < m.vertices.owned; ++i) {
         const Vec2 change = (g1[i] - g0[i]) / (2 * part);
-        const Vec2 strained = 2 * *how.compliance * std::sqrt(t.cloth.measure[i]) * t.candidate.stress[i];
+        const Vec2 strained =
+            2 * *how.compliance * std::sqrt(t.cloth.measure[i]) * t.candidate.multipliers.stress[i];
         EXPECT_LT((change + strained - (g[i] - Vec2::Ones())).norm(), 1e-5) << m.vertices.original[i];
       }
     });
 }
 
-TEST(MetricRows, LeaveTheSameShapeOnAnyPartition) {
+TEST(MetricSet, LeaveTheSameShapeOnAnyPartition) {
   const auto end = [](DistributedMesh mesh) {
     Throw t(std::move(mesh));
     t.hold_corners();

@@ -15,15 +15,15 @@ constexpr auto cg = SolverOptions::Kind::cg, mumps = SolverOptions::Kind::mumps;
 /// first. An edge that cannot move gets the row of the unit matrix.
 struct Truth {
   std::vector<Vec3> gradient;
-  std::vector<double> inverse_mass, shift;
+  std::vector<double> inverse_mass, scaled_compliance;
 
   /// With scattered vertices held, of which some are the two ends of an edge.
   explicit Truth(const DistributedMesh& whole)
       : gradient(random_vectors(whole.edges.total, 1, 3)),
         inverse_mass(random_numbers(whole.vertices.total, 0.5, 4)),
-        shift(random_numbers(whole.edges.total, 0.1, 5)) {
+        scaled_compliance(random_numbers(whole.edges.total, 0.1, 5)) {
     for (double& w : inverse_mass) w += 1; // 0.5 to 1.5
-    for (double& a : shift) a += 0.1;
+    for (double& a : scaled_compliance) a += 0.1;
     for (const Global held : {0, 1, 8, 13, 18, 22}) inverse_mass[held] = 0;
   }
 
@@ -36,7 +36,7 @@ struct Truth {
       const Global b = whole.vertices.original[whole.edge_vertices[e][1]];
       j.block<1, 3>(row, 3 * a) = -gradient[row].transpose();
       j.block<1, 3>(row, 3 * b) = gradient[row].transpose();
-      diagonal[row] = inverse_mass[a] + inverse_mass[b] > 0 ? shift[row] : 1;
+      diagonal[row] = inverse_mass[a] + inverse_mass[b] > 0 ? scaled_compliance[row] : 1;
     }
     for (Global v = 0; v < whole.vertices.total; ++v)
       w.block<3, 3>(3 * v, 3 * v) = inverse_mass[v] * Mat3::Identity();
@@ -49,7 +49,7 @@ Dense inverse(const DistributedMesh& mesh, const Truth& truth, SolverOptions::Ki
   const IndexMap& map = mesh.edges;
   ProjectionSystem system(mesh, {kind, 1000});
   system.assemble(local(map, truth.gradient), local(mesh.vertices, truth.inverse_mass),
-                  local(map, truth.shift));
+                  local(map, truth.scaled_compliance));
   Dense inverse(map.total, map.total);
   for (Global column = 0; column < map.total; ++column) {
     std::vector<double> rhs, mu(map.size());
@@ -90,7 +90,8 @@ TEST(ProjectionSystem, FollowsValuesThatChange) {
         std::vector<double> mu(map.size());
         std::vector<int> iterations;
         for (ProjectionSystem* system : {&fresh, &used}) {
-          system->assemble(local(map, t.gradient), local(mesh.vertices, t.inverse_mass), local(map, t.shift));
+          system->assemble(local(map, t.gradient), local(mesh.vertices, t.inverse_mass),
+                           local(map, t.scaled_compliance));
           const SolveReport report = system->solve(rhs, 1e-13, mu);
           EXPECT_EQ(report.failure, "");
           iterations.push_back(report.iterations);

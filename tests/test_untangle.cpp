@@ -35,7 +35,7 @@ void expect_untangled(const Case& input, double most) {
   EXPECT_LE(simulation.gauge().measure(untangled.state.positions).max, *simulation.strain_limit());
   EXPECT_LT(untangled.farthest, most);
   EXPECT_GT(untangled.farthest, 0.001);
-  simulation.start_from(untangled.state);
+  simulation.set_start(untangled.state);
   Recorder recorder(simulation);
   run_to_the_end(simulation, recorder);
   EXPECT_EQ(intersections(simulation, simulation.state()), 0);

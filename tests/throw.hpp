@@ -28,7 +28,7 @@ struct Thrown {
       candidate.velocities.push_back(end ? Vec3((*end - from(v)) / dt) : Vec3(Vec3::Zero()));
     }
     start.velocities.assign(start.positions.size(), Vec3::Zero());
-    candidate.force_density.assign(cloth.mesh.edges.size(), 0.0);
+    candidate.multipliers.force_density.assign(cloth.mesh.edges.size(), 0.0);
   }
   Thrown(const Thrown&) = delete;
 

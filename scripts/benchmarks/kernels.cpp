@@ -67,7 +67,7 @@ bool let_fall(Simulation& fine, int side) {
   const State& end = coarse.state();
   to.from_slab<Vec3>(refined(from.to_slab<Vec3>(end.positions), side), state.positions);
   to.from_slab<Vec3>(refined(from.to_slab<Vec3>(end.velocities), side), state.velocities);
-  fine.go_on_from(std::move(state), fine.step_size().memory(), 0);
+  fine.restore(std::move(state), fine.step_size().memory(), 0);
   return true;
 }
 
@@ -127,11 +127,11 @@ public:
   void operator()(benchmark::State& state) {
     const test::OptionsInForce in_force(settings_); // read where a solver is made
     const Cloth& cloth = simulation_.cloth();
-    EdgeRows rows(cloth, options_, simulation_.weight());
+    EdgeSet rows(cloth, options_, simulation_.weight());
     std::vector<Vec3> x = simulation_.state().positions;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += step_of(side_) * simulation_.state().velocities[i];
     Candidate candidate;
-    candidate.force_density.assign(cloth.mesh.edges.size(), 0.0);
+    candidate.multipliers.force_density.assign(cloth.mesh.edges.size(), 0.0);
     SolveReport report = solve(rows, x, candidate); // what is done once, an analysis, is not measured
     for (auto _ : state) report = solve(rows, x, candidate);
     state.counters["iterations_of_solver"] = report.iterations;
@@ -139,7 +139,7 @@ public:
   }
 
 private:
-  SolveReport solve(EdgeRows& rows, std::span<const Vec3> x, const Candidate& candidate) const {
+  SolveReport solve(EdgeSet& rows, std::span<const Vec3> x, const Candidate& candidate) const {
     Freedom freedom(simulation_.state().positions.size());
     const std::vector<Global>& original = simulation_.cloth().mesh.vertices.original;
     for (Local v = 0; v < Local(original.size()); ++v)
@@ -163,13 +163,13 @@ void measure_yarns(const Simulation& simulation) {
   constraints->evaluate(simulation.state().positions);
   auto system = std::make_shared<ProjectionSystem>(cloth.mesh, SolverOptions{});
   const auto assemble = [constraints, system] {
-    system->assemble(constraints->gradients(), constraints->inverse_mass(), constraints->shift());
+    system->assemble(constraints->gradients(), constraints->inverse_mass(), constraints->scaled_compliance());
   };
   assemble();
   measure("projection_assembly", 0, assemble);
   auto yarns = std::make_shared<YarnSystem>(cloth.mesh);
   yarns->factor(constraints->gradients(), constraints->inverse_mass(), Freedom(cloth.mesh.vertices.size()),
-                constraints->shift());
+                constraints->scaled_compliance());
   auto b = std::make_shared<std::vector<double>>(cloth.mesh.edges.owned, 1.0), x = b;
   x = std::make_shared<std::vector<double>>(*b);
   // Forth: b, L and x; back: x, L, 1/D and x again.

@@ -39,9 +39,9 @@ public:
     start_ = simulation_.state();
     std::fill(start_.force_density.begin(), start_.force_density.end(), 0.0);
     candidate_.velocities = start_.velocities;
-    candidate_.force_density.assign(simulation_.cloth().mesh.edges.size(), 0.0);
+    candidate_.multipliers.force_density.assign(simulation_.cloth().mesh.edges.size(), 0.0);
     simulation_.pins().prescribe(start_, dt, freedom_, candidate_.velocities);
-    predictor_.predict({start_, dt, start_}, freedom_, candidate_.velocities, candidate_.reaction);
+    predictor_.predict({start_, dt, start_}, freedom_, candidate_.velocities, candidate_.reported.reaction);
   }
 
   struct Left {
@@ -54,7 +54,7 @@ public:
   Left project(int iterations) const {
     config::Inextensibility options = input_.inextensibility;
     options.max_iterations = iterations;
-    FastProjection<EdgeRows> projection(simulation_.cloth(), options, weight_);
+    FastProjection<EdgeSet> projection(simulation_.cloth(), options, weight_);
     Candidate end = candidate_;
     const FilterReport report = projection.apply(start_, dt_, freedom_, end);
     return {residual(end), report.iterations, report.failure.empty()};

@@ -26,7 +26,7 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
 }
 
 void try_petsc_options(Simulation& simulation) {
-  simulation.rehearse();
+  simulation.trial_step();
   const std::string unused = unused_petsc_options(simulation.cloth().mesh.comm);
   if (!unused.empty())
     throw InputError(fmt::format(

@@ -136,7 +136,7 @@ Checkpoint latest(const DistributedMesh& mesh, const std::vector<fs::path>& file
 Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   Checkpoint checkpoint = latest(mesh, files);
-  simulation.go_on_from(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
+  simulation.restore(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
   if (rank_of(mesh.comm) == 0)
     fmt::print("resuming at t = {:.6g} s, after step {}\n", simulation.state().time, simulation.state().step);
   return std::move(checkpoint.totals);

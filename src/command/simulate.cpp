@@ -49,7 +49,7 @@ void tell_of_holes(MPI_Comm comm, const Case& input, const Obstacles& obstacles)
       fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
 }
 
-void tell_why(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
+void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
   if (rank_of(comm) != 0 || outcome.completed()) return;
   fmt::print(stderr, "taut: {}\n", outcome.reason);
   if (outcome.ending == Ending::interrupted)
@@ -58,7 +58,7 @@ void tell_why(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
 
 } // namespace
 
-int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Course& course) {
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& course) {
   const fs::path& out = course.out;
   const StopSignal stop;
   const State& state = simulation.state();
@@ -93,7 +93,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Cou
   if (!course.counters.empty())
     write_text_whole(comm, course.counters,
                      counters_text(comm, summary.totals(0), simulation.rejected_steps()));
-  tell_why(comm, outcome, out);
+  report_failure(comm, outcome, out);
   return exit_code(outcome.ending);
 }
 

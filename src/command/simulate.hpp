@@ -5,7 +5,7 @@
 namespace taut::command {
 
 /// Where a run goes and what it has behind it.
-struct Course {
+struct RunContext {
   std::filesystem::path out; ///< the folder, ready for this run
   ProgressStyle progress = ProgressStyle::lines;
   double began = 0;                 ///< MPI_Wtime() when the program did
@@ -14,7 +14,7 @@ struct Course {
 };
 
 /// From the present state of `simulation` to the end, with all files of a run; the exit code. Collective.
-int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Course& course);
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& course);
 
 /// Says on standard output what is about to run. Rank 0 speaks.
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input,

@@ -12,7 +12,7 @@ namespace taut::command {
 namespace {
 
 /// What the rounds came to.
-std::string story_of(const Untangled& u) {
+std::string describe_run(const Untangled& u) {
   return fmt::format("after {} rounds, in which no vertex went farther than {:.3g} m", u.rounds, u.farthest);
 }
 
@@ -32,13 +32,13 @@ bool untangle_start(Simulation& simulation, const Case& input, const std::filesy
           stderr,
           "taut: {}: contact.start: the start could not be untangled {}: {}; only shallow "
           "intersections can be: move `start` of the cloth or the obstacle, or repair the start shape\n",
-          input.file.string(), story_of(untangled), what);
+          input.file.string(), describe_run(untangled), what);
     return false;
   }
   if (untangled.rounds == 0) return true;
   if (speaks)
-    fmt::print("{}: the start intersected, and was untangled {}\n", input.name, story_of(untangled));
-  simulation.start_from(std::move(untangled.state));
+    fmt::print("{}: the start intersected, and was untangled {}\n", input.name, describe_run(untangled));
+  simulation.set_start(std::move(untangled.state));
   return true;
 }
 

@@ -127,7 +127,7 @@ void ContactSearch::find(const Motion& motion, double reach, double slack) {
   elements_.find(motion, reach, slack);
   near_ = {};
   plane_held_.assign(obstacles_.planes().size() * own_, false);
-  look();
+  measure_gaps();
   place_in_fields();
 }
 
@@ -135,14 +135,14 @@ bool ContactSearch::follow(const Motion& motion) {
   elements_.follow(motion);
   kept_ = near_.found.size();
   const bool was_across = !across_.found.empty();
-  look();
+  measure_gaps();
   const bool is_other = near_.found.size() > kept_ || was_across || !across_.found.empty();
   if (!any_of(cloth_.mesh.comm, is_other)) return false;
   place_in_fields();
   return true;
 }
 
-void ContactSearch::look() {
+void ContactSearch::measure_gaps() {
   const std::size_t before = near_.found.size(), fields = elements_.vertices().size();
   look_at(elements_.pairs(), near_);
   look_at_planes();
@@ -206,7 +206,7 @@ double ContactSearch::spare_of(const Pair& pair, const ElementSearch::Range& ran
   const double separate = separation(pair.kind, x) - range.far;
   if (separate > 0) return separate;
   const Approach here = approach(pair, x);
-  const double approaching = closing(pair, at(pair, elements_.displacements()), here.normal);
+  const double approaching = closing_speed(pair, at(pair, elements_.displacements()), here.normal);
   return std::max(here.gap + pair.radius - range.far, here.gap - std::max(0.0, approaching) - range.near);
 }
 
@@ -223,7 +223,7 @@ void ContactSearch::look_at_planes() {
     for (Local i = 0; i < own_; ++i, ++held) {
       pair.vertices[0] = i;
       const double gap = approach(pair, at(pair, elements_.positions())).gap;
-      const double approaching = closing(pair, at(pair, elements_.displacements()), plane.normal);
+      const double approaching = closing_speed(pair, at(pair, elements_.displacements()), plane.normal);
       if (*held || gap - std::max(0.0, approaching) > reach_) continue;
       near_.found.push_back(pair);
       *held = true;

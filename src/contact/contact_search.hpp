@@ -61,7 +61,7 @@ private:
     std::vector<Pair> found;         ///< their vertices are places in the fields of `elements_`
   };
 
-  void look();
+  void measure_gaps();
   void look_at(std::span<const BoxPair> pairs, Near& near) const;
   double meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const;
   double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;

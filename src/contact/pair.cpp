@@ -27,7 +27,7 @@ Approach approach(const Pair& pair, const Four& x) {
   return {c.weights, normal, c.distance - pair.radius};
 }
 
-double closing(const Pair& pair, const Four& u, const Vec3& normal) {
+double closing_speed(const Pair& pair, const Four& u, const Vec3& normal) {
   const double a = normal.dot(u[0]), b = normal.dot(u[1]), c = normal.dot(u[2]), d = normal.dot(u[3]);
   switch (pair.kind) {
   case PairKind::vertex_face:
@@ -42,13 +42,13 @@ double closing(const Pair& pair, const Four& u, const Vec3& normal) {
   return 0;
 }
 
-double advance(const Pair& pair, const Four& x, const Four& u, double floor) {
+double safe_fraction(const Pair& pair, const Four& x, const Four& u, double floor) {
   double t = 0;
   for (int k = 0; k < most_advances; ++k) {
     Four now;
     for (int i = 0; i < 4; ++i) now[i] = x[i] + t * u[i];
     const Approach here = approach(pair, now);
-    const double speed = closing(pair, u, here.normal), room = here.gap - floor;
+    const double speed = closing_speed(pair, u, here.normal), room = here.gap - floor;
     if (room >= (1 - t) * speed) return 1.0;
     if (room <= 0) return t;
     t += part_of_bound * room / speed;

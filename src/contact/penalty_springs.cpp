@@ -99,7 +99,7 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
 void PenaltySprings::add_to(StepSystem& system, const State& state) const {
   const double dt = system.dt();
   find_pairs(state, dt);
-  std::vector<FarTerms::Term> terms;
+  std::vector<ContactCouplings::Term> terms;
   std::vector<Vec3> forces(search_.size(), Vec3::Zero());
   for (const Pair& pair : search_.pairs()) {
     const auto s = spring(pair, dt);
@@ -113,7 +113,7 @@ void PenaltySprings::add_to(StepSystem& system, const State& state) const {
   }
   search_.accumulate(forces);
   for (Local i = 0; i < search_.own(); ++i) system.add_force(i, forces[i]);
-  system.set_far(FarTerms(search_.plan(), search_.own(), search_.size(), std::move(terms)));
+  system.set_far(ContactCouplings(search_.plan(), search_.own(), search_.size(), std::move(terms)));
 }
 
 } // namespace taut

@@ -6,8 +6,8 @@
 
 namespace taut {
 
-Pressed lasting(const Pressed& before, const Pressed& now) {
-  Pressed both{std::min(before.normal, now.normal), Vec3::Zero()};
+ContactImpulse lasting(const ContactImpulse& before, const ContactImpulse& now) {
+  ContactImpulse both{std::min(before.normal, now.normal), Vec3::Zero()};
   const double along = now.tangent.dot(before.tangent), length = now.tangent.norm();
   if (along > 0) both.tangent = std::min(1.0, along / (length * length)) * now.tangent;
   return both;

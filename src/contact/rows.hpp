@@ -5,15 +5,15 @@
 namespace taut {
 
 /// What two steps have in common: an impact is in one of them only.
-Pressed lasting(const Pressed& before, const Pressed& now);
+ContactImpulse lasting(const ContactImpulse& before, const ContactImpulse& now);
 
 /// Two features near each other, wherever pairs found them.
 struct Contact {
   std::array<Local, 4> vertices;
   std::array<double, 4> weights; ///< sum_i weights[i] x_i goes from the second feature to the first
   Vec3 normal;
-  double mobility; ///< 1/kg: so much the features part per unit of what presses them
-  double missing;  ///< m by which they have to part
+  double inverse_effective_mass; ///< 1/kg: so much the features part per unit of what presses them
+  double violation;              ///< m by which they have to part
   ContactKey key;
   double friction;   ///< Coulomb's coefficient
   std::int16_t body; ///< the obstacle, or -1
@@ -24,9 +24,9 @@ struct ContactRow {
   Local contact;
   bool is_normal;
   Vec3 direction;
-  double missing;      ///< m by which the left side has to grow
+  double violation;    ///< m by which the left side has to grow
   double lower, upper; ///< of the multiplier's increment
-  double slack;        ///< m that may stay missing
+  double slack;        ///< m that may stay violated
   double guess;        ///< of the multiplier's increment
 };
 

@@ -47,7 +47,7 @@ void SolidConstraints::find(const State& state, double dt, const Freedom& freedo
     rests_[i] = {};
     alteration_[i] = Vec3::Zero();
     if (!freedom.is_free(i) || found[i].gap == HUGE_VAL) continue;
-    rests_[i] = rest_on(found[i], state.contact_force[i],
+    rests_[i] = rest_on(found[i], state.multipliers.carried_contact_force[i],
                         cloth_.mass[i] * (state.velocities[i] - found[i].surface), dt);
     if (rests_[i].hold != Hold::none) alteration_[i] = (found[i].thickness - found[i].gap) * found[i].normal;
   }
@@ -142,11 +142,11 @@ void SolidConstraints::note_forces(Candidate& candidate) const {
   for (Local i = 0; i < search_.own(); ++i) {
     const Rest& rest = rests_[i];
     if (rest.hold == Hold::none) continue;
-    candidate.pressing[i] = candidate.reaction[i] + rest.friction;
-    candidate.reaction[i] = Vec3::Zero();
-    candidate.contact_force[i] = candidate.pressing[i];
+    candidate.reported.contact_force[i] = candidate.reported.reaction[i] + rest.friction;
+    candidate.reported.reaction[i] = Vec3::Zero();
+    candidate.multipliers.carried_contact_force[i] = candidate.reported.contact_force[i];
   }
-  cloth_.mesh.vertex_halo.update(candidate.contact_force);
+  cloth_.mesh.vertex_halo.update(candidate.multipliers.carried_contact_force);
 }
 
 } // namespace taut

@@ -15,7 +15,7 @@ void ConstrainedStep::begin(const State& start, double dt, const Freedom& freedo
   start_ = &start;
   dt_ = dt;
   constraints.start(dt, freedom);
-  constraints.to_mu(candidate.force_density, mu);
+  constraints.to_mu(candidate.multipliers.force_density, mu);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = start.positions[i] + dt * candidate.velocities[i];
   constraints.evaluate(x);
   for (Local i = 0; i < mesh().vertices.owned; ++i)
@@ -46,7 +46,7 @@ FilterReport ConstrainedStep::solve(std::string_view method,
 void ConstrainedStep::end(Candidate& candidate) const {
   for (std::size_t i = 0; i < x.size(); ++i)
     if (is_free(Local(i))) candidate.velocities[i] = (x[i] - start_->positions[i]) / dt_;
-  constraints.to_force_density(mu, candidate.force_density);
+  constraints.to_force_density(mu, candidate.multipliers.force_density);
 }
 
 void ConstrainedStep::pull(std::span<const Vec3> gradients, std::span<const double> d_mu) {

@@ -33,7 +33,7 @@ constexpr double most_inherited = 0.6; ///< of the limit; with what a program le
 
 /// So much of what an edge yields by its masses its compliance may add, so that halving a step in which
 /// something strikes hard does not soften the edges.
-constexpr double most_shift = 1e-3;
+constexpr double most_scaled_compliance = 1e-3;
 
 SolverOptions solver_options(const config::Inextensibility& options) {
   return {options.solver == config::LinearSolver::mumps ? SolverOptions::Kind::mumps
@@ -55,7 +55,7 @@ ContactProjection::ContactProjection(const Cloth& cloth, const Obstacles& obstac
       system_(cloth.mesh, solver_options(limits_)), qp_(cloth, search_), thickness_(cloth, input),
       cones_(obstacles), compliance_(compliance_of(limits_, weight)), gravity_(input.gravity.norm()),
       settling_time_(settling * input.time.max_step), gradient_(cloth.mesh.edges.size()),
-      inverse_mass_(cloth.mesh.vertices.size()), shift_(cloth.mesh.edges.owned),
+      inverse_mass_(cloth.mesh.vertices.size()), scaled_compliance_(cloth.mesh.edges.owned),
       residual_(cloth.mesh.edges.owned), tolerance_(cloth.mesh.edges.owned), change_(cloth.mesh.edges.size()),
       mu_(cloth.mesh.edges.size()), pulled_(cloth.mesh.edges.size()), guess_(cloth.mesh.edges.owned) {}
 
@@ -76,7 +76,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
   double behind = HUGE_VAL; // m, how far the safe iterate was from the target
   timed([&] {
     search_.find(motion(), thickness_.largest_near(), slack * thickness_.largest());
-    take_pairs(0);
+    update_pairs(0);
   });
   for (iteration_ = 1;; ++iteration_) {
     make_rows();
@@ -95,7 +95,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
     if (!report.failure.empty()) break;
     double alpha = 1;
     timed([&] {
-      if (search_.follow(motion())) take_pairs(search_.kept());
+      if (search_.follow(motion())) update_pairs(search_.kept());
       alpha = step_length();
     });
     advance_safe(alpha);
@@ -107,7 +107,7 @@ FilterReport ContactProjection::apply(const State& start, double dt, const Freed
                       reached, limits_.strain, iteration_, what_stopped());
       break;
     }
-    timed([&] { look(0); });
+    timed([&] { measure_gaps(0); });
     const double was_behind = std::exchange(behind, distance_behind());
     if (alpha < 1 && iteration_ >= patience && behind > 0.5 * was_behind) free_stuck();
   }
@@ -119,20 +119,21 @@ void ContactProjection::propose(Candidate& candidate) const {
   for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
     candidate.velocities[i] = (safe_.cloth[i] - start_.cloth[i]) / dt_;
   for (std::size_t e = 0; e < mu_.size(); ++e) {
-    candidate.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt_ * dt_);
-    candidate.pulled[e] = pulled_[e] / (dt_ * dt_);
+    candidate.multipliers.force_density[e] = 2.0 * mu_[e] / (cloth_.rest_length[e] * dt_ * dt_);
+    candidate.multipliers.projection_tension[e] = pulled_[e] / (dt_ * dt_);
   }
-  candidate.contacts = bring_home(cloth_.mesh, pressed_contacts());
+  candidate.multipliers.contacts = bring_home(cloth_.mesh, pressed_contacts());
 }
 
 void ContactProjection::begin(const State& start, double dt, const Freedom& freedom,
                               const Candidate& candidate) {
   dt_ = dt;
-  inherited_ = std::max(0.0, 1 - dt / settling_time_);
+  violation_fraction_kept_ = std::max(0.0, 1 - dt / settling_time_);
   fall_ = gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * dt * dt) : thickness_.smallest();
-  for (std::size_t e = 0; e < guess_.size(); ++e) guess_[e] = start.pulled[e] * dt * dt;
+  for (std::size_t e = 0; e < guess_.size(); ++e)
+    guess_[e] = start.multipliers.projection_tension[e] * dt * dt;
   std::fill(pulled_.begin(), pulled_.end(), 0.0);
-  at_home_ = start.contacts;
+  at_home_ = start.multipliers.contacts;
   touched_.clear();
   blocked_.clear();
   start_.cloth = start.positions;
@@ -146,27 +147,27 @@ void ContactProjection::begin(const State& start, double dt, const Freedom& free
   freedom_ = &freedom;
   for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
     inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
-  for (std::size_t e = 0; e < shift_.size(); ++e) {
+  for (std::size_t e = 0; e < scaled_compliance_.size(); ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
-    shift_[e] = std::min(4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt),
-                         4.0 * most_shift * (inverse_mass_[a] + inverse_mass_[b]));
+    scaled_compliance_[e] = std::min(4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt),
+                                     4.0 * most_scaled_compliance * (inverse_mass_[a] + inverse_mass_[b]));
     tolerance_[e] = strain_left * limits_.strain * 2.0 * cloth_.rest_length[e];
   }
   for (std::size_t e = 0; e < mu_.size(); ++e)
-    mu_[e] = 0.5 * candidate.force_density[e] * cloth_.rest_length[e] * dt * dt;
+    mu_[e] = 0.5 * candidate.multipliers.force_density[e] * cloth_.rest_length[e] * dt * dt;
 }
 
 /// Of which the first `known` were there when last looked at.
-void ContactProjection::take_pairs(std::size_t known) {
+void ContactProjection::update_pairs(std::size_t known) {
   search_.gather(start_.cloth, start_.obstacles, start_field_);
-  mobility_.assign(search_.size(), Vec3::Zero());
-  for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
-  search_.update(mobility_);
-  look(known);
+  inverse_effective_mass_.assign(search_.size(), Vec3::Zero());
+  for (Local i = 0; i < search_.own(); ++i) inverse_effective_mass_[i][0] = inverse_mass_[i];
+  search_.update(inverse_effective_mass_);
+  measure_gaps(known);
 }
 
 /// Distances and directions at the safe iterate, of all pairs but the first `known`.
-void ContactProjection::look(std::size_t known) {
+void ContactProjection::measure_gaps(std::size_t known) {
   search_.gather(safe_.cloth, safe_.obstacles, safe_field_);
   approaches_.resize(known);
   for (const Pair& pair : search_.pairs().subspan(known))
@@ -188,7 +189,7 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
     // leaves only the turning of edges to further iterations
     const double value =
         contact_count_ == 0 ? length * length / l - l : 2 * (length / l) * (length - l - stretch_to_leave(e));
-    residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - shift_[e] * mu_[e];
+    residual_[e] = freedom.is_held(a) && freedom.is_held(b) ? 0.0 : value - scaled_compliance_[e] * mu_[e];
     const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
@@ -197,16 +198,16 @@ double ContactProjection::strain_at_target(const Freedom& freedom) {
 
 /// m, of what the last step left.
 double ContactProjection::stretch_to_leave(Local edge) const {
-  if (inherited_ == 0) return 0;
+  if (violation_fraction_kept_ == 0) return 0;
   const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
   const double l = cloth_.rest_length[edge], most = most_inherited * limits_.strain * l;
-  return inherited_ * std::clamp((start_.cloth[b] - start_.cloth[a]).norm() - l, -most, most);
+  return violation_fraction_kept_ * std::clamp((start_.cloth[b] - start_.cloth[a]).norm() - l, -most, most);
 }
 
 /// Moves the target to where edges and contacts want it.
 void ContactProjection::project(double strain, FilterReport& report) {
   if (contact_count_ == 0) {
-    system_.assemble(gradient_, inverse_mass_, *freedom_, shift_);
+    system_.assemble(gradient_, inverse_mass_, *freedom_, scaled_compliance_);
     const double forcing = std::clamp(0.1 * limits_.strain / strain, 1e-4, 1e-2);
     const SolveReport solved = system_.solve(residual_, forcing, change_);
     report.linear_iterations += solved.iterations;
@@ -220,7 +221,8 @@ void ContactProjection::project(double strain, FilterReport& report) {
     mesh.vertex_halo.update(target_.cloth);
   } else {
     if (iteration_ > 1) std::fill(guess_.begin(), guess_.end(), 0.0);
-    const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, shift_, residual_, tolerance_, guess_};
+    const EdgeEquations edges{gradient_, inverse_mass_, *freedom_, scaled_compliance_,
+                              residual_, tolerance_,    guess_};
     const QpEffort& effort = strain > far * limits_.strain ? effort_far : effort_near;
     report.linear_iterations += qp_.solve(edges, contacts_, rows_, effort).products;
     const auto push = qp_.push();
@@ -246,7 +248,7 @@ double ContactProjection::step_length() {
     Four u = at(pair, target_field_);
     for (int i = 0; i < 4; ++i) u[i] -= x[i];
     const double gap = approaches_[k].gap;
-    const double part = advance(pair, x, u, floor_of(gap, thickness_.of(pair, search_.keys())));
+    const double part = safe_fraction(pair, x, u, floor_of(gap, thickness_.of(pair, search_.keys())));
     if (part < 1) {
       blocked_.insert(name_of(pair, search_.keys()));
       stuck_.push_back(Local(k));

@@ -44,9 +44,9 @@ public:
 
 private:
   /// What presses and rubs between two features.
-  struct Touch {
-    Pressed pressed;               ///< kg m, by the step's programs and what is carried
-    std::optional<Pressed> before; ///< N, by the last step
+  struct ContactRecord {
+    ContactImpulse pressed;               ///< kg m, by the step's programs and what is carried
+    std::optional<ContactImpulse> before; ///< N, by the last step
   };
 
   /// Cloth (local vertices) and obstacles.
@@ -56,11 +56,11 @@ private:
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   Motion motion() const { return {safe_.cloth, target_.cloth, safe_.obstacles, target_.obstacles}; }
-  void take_pairs(std::size_t known);
-  void look(std::size_t known);
+  void update_pairs(std::size_t known);
+  void measure_gaps(std::size_t known);
   double strain_at_target(const Freedom& freedom);
   double stretch_to_leave(Local edge) const;
-  ContactEntry entry_of(const Touch& touch) const;
+  ContactEntry entry_of(const ContactRecord& touch) const;
   void note_contact_forces(Candidate& candidate);
   ContactMemory pressed_contacts() const;
   void make_rows();
@@ -97,24 +97,25 @@ private:
   // of the step in hand
   double dt_ = 0;
   const Freedom* freedom_ = nullptr;
-  double inherited_ = 0; ///< part of the strain and overlap that the last step left which this one may leave
-  double fall_ = 0;      ///< m that gravity moves a free vertex, at most the smallest thickness
+  double violation_fraction_kept_ =
+      0;            ///< part of the strain and overlap that the last step left which this one may leave
+  double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
   int iteration_ = 0;
   Global contact_count_ = 0; ///< over all ranks
   Scene start_, safe_, target_;
   std::vector<Mat3> spins_; ///< m, of the obstacles over the step
   std::vector<Vec3> start_field_, safe_field_, target_field_;
-  std::vector<Vec3> mobility_;       ///< 1/kg, in the first component, as a contact field
-  std::vector<Approach> approaches_; ///< of the pairs, at `safe_`
-  std::set<ContactKey> blocked_;     ///< pairs that stopped the safe iterate
-  std::vector<Local> stuck_;         ///< pairs that stopped it last
+  std::vector<Vec3> inverse_effective_mass_; ///< 1/kg, in the first component, as a contact field
+  std::vector<Approach> approaches_;         ///< of the pairs, at `safe_`
+  std::set<ContactKey> blocked_;             ///< pairs that stopped the safe iterate
+  std::vector<Local> stuck_;                 ///< pairs that stopped it last
   std::vector<Contact> contacts_;
-  std::vector<Touch*> touches_; ///< of the contacts, into `touched_`
+  std::vector<ContactRecord*> touches_; ///< of the contacts, into `touched_`
   std::vector<ContactRow> rows_;
   ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
-  std::unordered_map<ContactKey, Touch, HashOfKey> touched_; ///< in this step
+  std::unordered_map<ContactKey, ContactRecord, HashOfKey> touched_; ///< in this step
   std::vector<Vec3> gradient_;
-  std::vector<double> inverse_mass_, shift_, residual_, tolerance_, change_, mu_;
+  std::vector<double> inverse_mass_, scaled_compliance_, residual_, tolerance_, change_, mu_;
   std::vector<double> pulled_; ///< by the step's programs on local edges, kg m
   std::vector<double> guess_;  ///< where the first of them starts, on owned edges
 };

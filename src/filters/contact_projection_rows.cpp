@@ -18,15 +18,16 @@ constexpr double slip_left = 0.03; ///< the same
 } // namespace
 
 /// Per dt^2, newtons: what has pressed a contact in this step, and what of it lasts.
-ContactEntry ContactProjection::entry_of(const Touch& touch) const {
-  const Pressed now = touch.pressed.scaled(1 / (dt_ * dt_));
-  return {now, touch.before ? lasting(*touch.before, now) : Pressed{}};
+ContactEntry ContactProjection::entry_of(const ContactRecord& touch) const {
+  const ContactImpulse now = touch.pressed.scaled(1 / (dt_ * dt_));
+  return {now, touch.before ? lasting(*touch.before, now) : ContactImpulse{}};
 }
 
 /// What the contacts there are press and carry, as forces on vertices.
 void ContactProjection::note_contact_forces(Candidate& candidate) {
-  candidate.contact_force.assign(candidate.contact_force.size(), Vec3::Zero());
-  candidate.pressing.assign(candidate.pressing.size(), Vec3::Zero());
+  candidate.multipliers.carried_contact_force.assign(candidate.multipliers.carried_contact_force.size(),
+                                                     Vec3::Zero());
+  candidate.reported.contact_force.assign(candidate.reported.contact_force.size(), Vec3::Zero());
   if (contact_count_ == 0) return;
   std::vector<Vec3> lasting_forces(search_.size(), Vec3::Zero()), all_forces = lasting_forces;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -41,9 +42,9 @@ void ContactProjection::note_contact_forces(Candidate& candidate) {
   }
   search_.accumulate(lasting_forces);
   search_.accumulate(all_forces);
-  std::copy_n(lasting_forces.begin(), search_.own(), candidate.contact_force.begin());
-  std::copy_n(all_forces.begin(), search_.own(), candidate.pressing.begin());
-  cloth_.mesh.vertex_halo.update(candidate.contact_force);
+  std::copy_n(lasting_forces.begin(), search_.own(), candidate.multipliers.carried_contact_force.begin());
+  std::copy_n(all_forces.begin(), search_.own(), candidate.reported.contact_force.begin());
+  cloth_.mesh.vertex_halo.update(candidate.multipliers.carried_contact_force);
 }
 
 /// For the next step.
@@ -100,8 +101,9 @@ double ContactProjection::gap_along(const Pair& pair, const Approach& here,
 
 double ContactProjection::gap_wanted(const Pair& pair, const Approach& here) const {
   const double thickness = thickness_.of(pair, search_.keys());
-  if (inherited_ == 0) return thickness;
-  return thickness - inherited_ * std::max(0.0, thickness - gap_along(pair, here, start_field_));
+  if (violation_fraction_kept_ == 0) return thickness;
+  return thickness -
+         violation_fraction_kept_ * std::max(0.0, thickness - gap_along(pair, here, start_field_));
 }
 
 /// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
@@ -116,12 +118,14 @@ void ContactProjection::add_contact(const Pair& pair, const Approach& here) {
       (pair.kind == PairKind::edge_edge && !inside) ||
       (pair.body >= 0 && !cones_.holds(pair, here, safe_field_, search_.own()));
   if ((!is_near || is_covered) && !blocked_.contains(name_of(pair, search_.keys()))) return;
-  double mobility = 0;
-  for (int i = 0; i < 4; ++i) mobility += here.weights[i] * here.weights[i] * mobility_[pair.vertices[i]][0];
-  if (mobility == 0) return; // nothing here can be moved
-  contacts_.push_back({pair.vertices, here.weights, here.normal, mobility, gap_wanted(pair, here) - gap,
-                       key_of(pair, here, search_.keys()), friction_of(pair, obstacles_, contact_),
-                       pair.body});
+  double inverse_effective_mass = 0;
+  for (int i = 0; i < 4; ++i)
+    inverse_effective_mass +=
+        here.weights[i] * here.weights[i] * inverse_effective_mass_[pair.vertices[i]][0];
+  if (inverse_effective_mass == 0) return; // nothing here can be moved
+  contacts_.push_back({pair.vertices, here.weights, here.normal, inverse_effective_mass,
+                       gap_wanted(pair, here) - gap, key_of(pair, here, search_.keys()),
+                       friction_of(pair, obstacles_, contact_), pair.body});
 }
 
 /// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
@@ -155,11 +159,11 @@ void ContactProjection::recall_contacts() {
 
 void ContactProjection::add_normal_row(Local k) {
   const Contact& contact = contacts_[k];
-  const Touch& touch = *touches_[k];
+  const ContactRecord& touch = *touches_[k];
   const double so_far = touch.pressed.normal;
   const double before = touch.before ? dt_ * dt_ * touch.before->normal : 0.0;
   const double guess = iteration_ == 1 ? std::max(-so_far, before - so_far) : 0.0;
-  rows_.push_back({k, true, contact.normal, contact.missing, -so_far, HUGE_VAL, gap_left * fall_, guess});
+  rows_.push_back({k, true, contact.normal, contact.violation, -so_far, HUGE_VAL, gap_left * fall_, guess});
 }
 
 /// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force for what
@@ -167,11 +171,12 @@ void ContactProjection::add_normal_row(Local k) {
 /// that leaves of Coulomb's cone, which is nothing where the contact slides.
 void ContactProjection::add_friction_rows(Local k) {
   const Contact& contact = contacts_[k];
-  const Touch& touch = *touches_[k];
-  const Pressed before = touch.before ? touch.before->scaled(dt_ * dt_) : Pressed{};
+  const ContactRecord& touch = *touches_[k];
+  const ContactImpulse before = touch.before ? touch.before->scaled(dt_ * dt_) : ContactImpulse{};
   double pressing = touch.pressed.normal;
   if (iteration_ == 1) // a new contact is going to be pressed by what it takes to stop it
-    pressing = touch.before ? before.normal : std::max(0.0, contact.missing) / contact.mobility;
+    pressing =
+        touch.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
   const double most = contact.friction * pressing;
   if (most <= 0) return;
   Vec3 slip = Vec3::Zero();
@@ -180,9 +185,9 @@ void ContactProjection::add_friction_rows(Local k) {
   if (contact.body >= 0) slip -= spins_[contact.body] * contact.normal;
   slip -= contact.normal.dot(slip) * contact.normal;
   const Vec3 rubbed = touch.pressed.tangent;
-  const Vec3 needed = rubbed - slip / contact.mobility;
-  const Vec3 first =
-      needed.norm() * contact.mobility > 1e-12 ? Vec3(needed.normalized()) : contact.normal.unitOrthogonal();
+  const Vec3 needed = rubbed - slip / contact.inverse_effective_mass;
+  const Vec3 first = needed.norm() * contact.inverse_effective_mass > 1e-12 ? Vec3(needed.normalized())
+                                                                            : contact.normal.unitOrthogonal();
   const double rest = std::sqrt(std::max(0.0, most * most - needed.squaredNorm()));
   for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(contact.normal.cross(first)), rest}}) {
     const double so_far = tangent.dot(rubbed);
@@ -196,7 +201,7 @@ void ContactProjection::add_friction_rows(Local k) {
 void ContactProjection::note_multipliers() {
   const auto z = qp_.row_part();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    Pressed& p = touches_[rows_[k].contact]->pressed;
+    ContactImpulse& p = touches_[rows_[k].contact]->pressed;
     if (rows_[k].is_normal)
       p.normal = std::max(0.0, p.normal + z[k]);
     else

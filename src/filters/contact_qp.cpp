@@ -13,8 +13,8 @@ constexpr double normal_compliance = 0.05, friction_compliance = 2e-3;
 } // namespace
 
 ContactQp::ContactQp(const Cloth& cloth, const ContactSearch& search)
-    : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned), edge_shift_(edges_),
-      edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
+    : cloth_(cloth), search_(search), yarns_(cloth.mesh), edges_(cloth.mesh.edges.owned),
+      scaled_compliance_(edges_), edge_values_(cloth.mesh.edges.size()), push_(cloth.mesh.vertices.size()) {}
 
 QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> contacts,
                           std::span<const ContactRow> rows, const QpEffort& effort) {
@@ -24,10 +24,11 @@ QpReport ContactQp::solve(const EdgeEquations& edges, std::span<const Contact> c
   tolerance_.assign(edges.tolerance.begin(), edges.tolerance.begin() + edges_);
   for (std::size_t e = 0; e < edges_; ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
-    edge_shift_[e] = edges.inverse_mass[a] + edges.inverse_mass[b] == 0 ? 1.0 : edges.shift[e];
+    scaled_compliance_[e] =
+        edges.inverse_mass[a] + edges.inverse_mass[b] == 0 ? 1.0 : edges.scaled_compliance[e];
   }
   take_rows(contacts, rows);
-  yarns_.factor(edges.gradient, edges.inverse_mass, edges.freedom, edges.shift);
+  yarns_.factor(edges.gradient, edges.inverse_mass, edges.freedom, edges.scaled_compliance);
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
                      [this](auto r, auto s) { precondition(r, s); },
                      rhs_,
@@ -66,13 +67,14 @@ void ContactQp::take_rows(std::span<const Contact> contacts, std::span<const Con
     if (std::exchange(last, row.contact) != row.contact) add_block(contact);
     ++blocks_.back().rows;
     directions_.push_back(row.direction);
-    rhs_.push_back(row.missing);
+    rhs_.push_back(row.violation);
     lower_.push_back(row.lower);
     upper_.push_back(row.upper);
     tolerance_.push_back(row.slack);
     z_.push_back(row.guess);
-    row_compliance_.push_back((row.is_normal ? normal_compliance : friction_compliance) * contact.mobility);
-    row_diagonal_.push_back(contact.mobility + row_compliance_.back());
+    row_compliance_.push_back((row.is_normal ? normal_compliance : friction_compliance) *
+                              contact.inverse_effective_mass);
+    row_diagonal_.push_back(contact.inverse_effective_mass + row_compliance_.back());
   }
 }
 
@@ -111,7 +113,7 @@ void ContactQp::multiply(std::span<const double> z, std::span<double> result) {
   search_.update(field_);
   for (std::size_t e = 0; e < edges_; ++e) {
     const auto& [a, b] = mesh.edge_vertices[e];
-    result[e] = edge_shift_[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
+    result[e] = scaled_compliance_[e] * z[e] - edge_equations_->gradient[e].dot(push_[b] - push_[a]);
   }
   std::size_t k = 0; // row
   const Part* part = parts_.data();

@@ -58,8 +58,8 @@ private:
   std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
   std::vector<double> row_diagonal_; ///< compliance in it
   std::vector<double> row_compliance_;
-  std::vector<double> edge_shift_;  ///< of owned edges; 1 where nothing can move
-  std::vector<double> edge_values_; ///< of local edges
+  std::vector<double> scaled_compliance_; ///< of owned edges; 1 where nothing can move
+  std::vector<double> edge_values_;       ///< of local edges
   std::vector<Vec3> field_, push_;
 };
 

@@ -11,7 +11,7 @@ double compliance_of(const config::Inextensibility& options, double weight) {
 
 EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options, double weight)
     : cloth_(cloth), compliance_(compliance_of(options, weight)), gradients_(cloth.mesh.edges.size()),
-      values_(cloth.mesh.edges.owned), shift_(cloth.mesh.edges.owned),
+      values_(cloth.mesh.edges.owned), scaled_compliance_(cloth.mesh.edges.owned),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void EdgeConstraints::start(double dt, const Freedom& freedom) {
@@ -19,8 +19,8 @@ void EdgeConstraints::start(double dt, const Freedom& freedom) {
   freedom_ = freedom;
   for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
     inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
-  for (std::size_t e = 0; e < shift_.size(); ++e)
-    shift_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
+  for (std::size_t e = 0; e < scaled_compliance_.size(); ++e)
+    scaled_compliance_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
 }
 
 double EdgeConstraints::evaluate(std::span<const Vec3> x) {
@@ -42,7 +42,7 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
 
 void EdgeConstraints::residual(std::span<const double> mu, std::span<double> c) const {
   for (std::size_t e = 0; e < values_.size(); ++e)
-    c[e] = can_change(Local(e)) ? values_[e] - shift_[e] * mu[e] : 0.0;
+    c[e] = can_change(Local(e)) ? values_[e] - scaled_compliance_[e] * mu[e] : 0.0;
 }
 
 bool EdgeConstraints::can_change(Local edge) const {

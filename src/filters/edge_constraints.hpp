@@ -47,9 +47,9 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  double compliance() const { return compliance_; }                      ///< c, in 1/N
-  const std::vector<Vec3>& gradients() const { return gradients_; }      ///< of local edges
-  std::span<const double> shift() const { return shift_; }               ///< a, of owned edges
+  double compliance() const { return compliance_; }                                ///< c, in 1/N
+  const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
+  std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
   const Freedom& freedom() const { return freedom_; }
 
@@ -61,7 +61,7 @@ private:
   double dt_ = 0;
   Freedom freedom_;
   std::vector<Vec3> gradients_;
-  std::vector<double> values_, shift_, inverse_mass_;
+  std::vector<double> values_, scaled_compliance_, inverse_mass_;
 };
 
 } // namespace taut

@@ -6,21 +6,21 @@
 
 namespace taut {
 
-EdgeRows::EdgeRows(const Cloth& cloth, const config::Inextensibility& options, double weight)
+EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, double weight)
     : constraints_(cloth, options, weight), system_(cloth.mesh, solver_options(options)),
       is_by_cg_(options.solver == config::LinearSolver::cg), change_(cloth.mesh.edges.size()),
       mu_(cloth.mesh.edges.size()) {}
 
-void EdgeRows::start(const State&, double dt, const Freedom& freedom, const Candidate& candidate) {
+void EdgeSet::start(const State&, double dt, const Freedom& freedom, const Candidate& candidate) {
   constraints_.start(dt, freedom);
-  constraints_.to_mu(candidate.force_density, mu_);
+  constraints_.to_mu(candidate.multipliers.force_density, mu_);
 }
 
-double EdgeRows::evaluate(std::span<const Vec3> x) { return constraints_.evaluate(x); }
+double EdgeSet::evaluate(std::span<const Vec3> x) { return constraints_.evaluate(x); }
 
-SolveReport EdgeRows::solve(double tolerance) {
+SolveReport EdgeSet::solve(double tolerance) {
   system_.assemble(constraints_.gradients(), constraints_.inverse_mass(), constraints_.freedom(),
-                   constraints_.shift());
+                   constraints_.scaled_compliance());
   constraints_.residual(mu_, change_);
   if (!threads_ && is_by_cg_ && ThreadStiffness::is_needed(constraints_, mu_))
     threads_.emplace(constraints_.cloth(), system_.yarns());
@@ -32,7 +32,7 @@ SolveReport EdgeRows::solve(double tolerance) {
   return report;
 }
 
-SolveReport EdgeRows::solve_with_threads(double tolerance) {
+SolveReport EdgeSet::solve_with_threads(double tolerance) {
   const auto product_with = [this](std::span<const double> mu, std::span<double> product) {
     system_.multiply(mu, product);
     threads_->hold_back(constraints_, mu);
@@ -43,8 +43,8 @@ SolveReport EdgeRows::solve_with_threads(double tolerance) {
   return report;
 }
 
-void EdgeRows::finish(Candidate& candidate) const {
-  constraints_.to_force_density(mu_, candidate.force_density);
+void EdgeSet::finish(Candidate& candidate) const {
+  constraints_.to_force_density(mu_, candidate.multipliers.force_density);
 }
 
 } // namespace taut

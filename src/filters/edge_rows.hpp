@@ -1,6 +1,7 @@
 #pragma once
 #include "src/filters/thread_stiffness.hpp"
 #include "src/linear/projection_system.hpp"
+#include "src/state/state.hpp"
 
 #include <optional>
 
@@ -8,10 +9,10 @@ namespace taut {
 
 /// What FastProjection needs to keep the length of every edge: EdgeConstraints and their linear system, in
 /// the metric of the masses and of ThreadStiffness (the latter with `solver: cg` only).
-class EdgeRows {
+class EdgeSet {
 public:
   /// As of EdgeConstraints. Collective.
-  EdgeRows(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  EdgeSet(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
   /// For a step of `candidate`, which holds the tensions it starts from. Not collective.
   void start(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);

@@ -20,9 +20,9 @@ EdgeSweeps::Correction EdgeSweeps::correction(Local edge, std::span<const Vec3> 
   const double length = d.norm();
   if (length == 0) return {0.0, Vec3::Zero()};
   const Vec3 n = d / length;
-  const double mobility = n.dot(step(a, n) + step(b, n));
-  if (mobility == 0) return {0.0, Vec3::Zero()};
-  return {(length - l - softness * s) / (mobility + softness), n};
+  const double inverse_effective_mass = n.dot(step(a, n) + step(b, n));
+  if (inverse_effective_mass == 0) return {0.0, Vec3::Zero()};
+  return {(length - l - softness * s) / (inverse_effective_mass + softness), n};
 }
 
 void EdgeSweeps::gauss_seidel(std::vector<Vec3>& x, std::vector<double>& s) const {

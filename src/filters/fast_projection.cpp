@@ -44,11 +44,11 @@ FilterReport FastProjection<Rows>::apply(const State& start, double dt, const Fr
     cloth_.mesh.vertex_halo.update(candidate.velocities);
   }
   rows_.finish(candidate);
-  report.laboured = report.linear_iterations > many_linear_iterations;
+  report.too_costly = report.linear_iterations > many_linear_iterations;
   return report;
 }
 
-template class FastProjection<EdgeRows>;
-template class FastProjection<MetricRows>;
+template class FastProjection<EdgeSet>;
+template class FastProjection<MetricSet>;
 
 } // namespace taut

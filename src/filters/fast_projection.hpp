@@ -10,7 +10,7 @@ namespace taut {
 ///
 ///     (J W J^T + a) d_mu = C(x) - a mu,   x <- x - W J^T d_mu,   mu <- mu + d_mu,
 ///
-/// with the constraints C, their gradients J and the compliance a of `Rows` (EdgeRows or MetricRows), and W =
+/// with the constraints C, their gradients J and the compliance a of `Rows` (EdgeSet or MetricSet), and W =
 /// S_i / m_i the inverse masses in the directions in which vertices may move; for edges, the inverse metric
 /// of ThreadStiffness stands in its place. mu = h^2 lambda is the tension of the step, that carried from the
 /// last one included. Linear momentum of a free cloth is kept to round-off whatever the accuracy of the

@@ -52,7 +52,7 @@ SolveReport Icd::iterate(const Freedom& freedom, double strain) {
     weight_[e] = 2.0 * (exact ? step_.mu[e] : std::max(step_.mu[e], 0.0)) / c.cloth().rest_length[e];
   force_residual();
   c.residual(step_.mu, gap_);
-  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.shift(), &freedom});
+  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.scaled_compliance(), &freedom});
   const SolveReport solved = system_.solve(force_, gap_, forcing(strain, options_.strain), dx_, d_mu_);
   for (std::size_t i = 0; i < dx_.size(); ++i) step_.x[i] += dx_[i];
   for (std::size_t e = 0; e < d_mu_.size(); ++e) step_.mu[e] += d_mu_[e];

@@ -41,7 +41,7 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {
     if (search_.follow(motion())) {
-      take_pairs();
+      update_pairs();
       zone.clear(); // its numbers were those of the pairs before
     }
     const std::vector<Impact> meeting = meetings(zone);
@@ -59,7 +59,8 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
       part_all(zone);
   }
   for (std::size_t i = 0; i < target_.size(); ++i) candidate.velocities[i] = (target_[i] - start_[i]) / dt;
-  for (std::size_t i = 0; i < pushed_.size(); ++i) candidate.pressing[i] = pushed_[i] / (dt * dt);
+  for (std::size_t i = 0; i < pushed_.size(); ++i)
+    candidate.reported.contact_force[i] = pushed_[i] / (dt * dt);
   report.contact_seconds = MPI_Wtime() - began;
   return report;
 }
@@ -77,14 +78,14 @@ void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom
   obstacles_.place(start.time + dt, bodies_to_);
   pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   search_.find(motion(), thickness_.largest(), search_slack * thickness_.largest());
-  take_pairs();
+  update_pairs();
 }
 
-void ImpulseContact::take_pairs() {
+void ImpulseContact::update_pairs() {
   search_.gather(start_, bodies_from_, start_field_);
-  mobility_.assign(search_.size(), Vec3::Zero());
-  for (Local i = 0; i < search_.own(); ++i) mobility_[i][0] = inverse_mass_[i];
-  search_.update(mobility_);
+  inverse_effective_mass_.assign(search_.size(), Vec3::Zero());
+  for (Local i = 0; i < search_.own(); ++i) inverse_effective_mass_[i][0] = inverse_mass_[i];
+  search_.update(inverse_effective_mass_);
   take_displacements();
 }
 
@@ -96,13 +97,15 @@ void ImpulseContact::take_displacements() {
 /// Nothing, where nothing can be moved.
 std::optional<ImpulseContact::Impact> ImpulseContact::impact(const Pair& pair, const Approach& approach,
                                                              double wanted) const {
-  double mobility = 0;
+  double inverse_effective_mass = 0;
   for (int i = 0; i < 4; ++i)
-    mobility += approach.weights[i] * approach.weights[i] * mobility_[pair.vertices[i]][0];
-  if (mobility == 0) return {};
+    inverse_effective_mass +=
+        approach.weights[i] * approach.weights[i] * inverse_effective_mass_[pair.vertices[i]][0];
+  if (inverse_effective_mass == 0) return {};
   const double friction = friction_of(pair, obstacles_, contact_);
   const Vec3 spin = pair.body >= 0 ? Vec3(spins_[pair.body] * approach.normal) : Vec3(Vec3::Zero());
-  return Impact{pair.vertices, approach.weights, approach.normal, mobility, wanted, friction, spin};
+  return Impact{pair.vertices, approach.weights, approach.normal, inverse_effective_mass, wanted, friction,
+                spin};
 }
 
 /// The pairs that are nearer than the thickness where the step starts.
@@ -110,9 +113,9 @@ std::vector<ImpulseContact::Impact> ImpulseContact::too_near() const {
   std::vector<Impact> found;
   for (const Pair& pair : search_.pairs()) {
     const Approach here = approach(pair, at(pair, start_field_));
-    const double missing = thickness_.of(pair, search_.keys()) - here.gap;
-    if (missing <= 0) continue;
-    if (const auto pushed = impact(pair, here, recovered * missing)) found.push_back(*pushed);
+    const double violation = thickness_.of(pair, search_.keys()) - here.gap;
+    if (violation <= 0) continue;
+    if (const auto pushed = impact(pair, here, recovered * violation)) found.push_back(*pushed);
   }
   return found;
 }
@@ -124,7 +127,7 @@ std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
     Four x = at(pair, start_field_);
     const Four u = at(pair, displacement_);
     const double thickness = thickness_.of(pair, search_.keys());
-    const double part = advance(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness));
+    const double part = safe_fraction(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness));
     if (part == 1) continue;
     for (int i = 0; i < 4; ++i) x[i] += part * u[i];
     const auto met = impact(pair, approach(pair, x), 2 * program_left * thickness);
@@ -154,8 +157,9 @@ void ImpulseContact::push_apart(std::span<const Impact> impacts) {
   for (const Impact& i : impacts) {
     double most = 1;
     for (const Local v : i.vertices)
-      if (mobility_[v][0] > 0) most = std::max(most, busy[v][0]);
-    sizes.push_back(std::max(0.0, i.wanted - i.direction.dot(parting(i))) / (i.mobility * most));
+      if (inverse_effective_mass_[v][0] > 0) most = std::max(most, busy[v][0]);
+    sizes.push_back(std::max(0.0, i.wanted - i.direction.dot(parting(i))) /
+                    (i.inverse_effective_mass * most));
   }
   spread(impacts, sizes);
 }
@@ -166,10 +170,10 @@ void ImpulseContact::part_all(const Zone& zone) {
   std::vector<Impact> impacts;
   for (const auto& [name, met] : zone) impacts.push_back(met);
   const std::size_t n = impacts.size();
-  std::vector<double> missing(n), sizes(n, 0.0), lower(n, 0.0), upper(n, HUGE_VAL),
+  std::vector<double> violation(n), sizes(n, 0.0), lower(n, 0.0), upper(n, HUGE_VAL),
       tolerance(n, program_left * thickness_.smallest());
   for (std::size_t k = 0; k < n; ++k)
-    missing[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
+    violation[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
   constexpr double compliance = 1e-3; // of a row's diagonal: rows may depend on one another
   const auto multiply = [&](std::span<const double> z, std::span<double> result) {
     std::vector<Vec3> field(search_.size(), Vec3::Zero());
@@ -183,13 +187,13 @@ void ImpulseContact::part_all(const Zone& zone) {
     for (std::size_t k = 0; k < n; ++k) {
       Vec3 sum = Vec3::Zero();
       for (int i = 0; i < 4; ++i) sum += impacts[k].weights[i] * field[impacts[k].vertices[i]];
-      result[k] = impacts[k].direction.dot(sum) + compliance * impacts[k].mobility * z[k];
+      result[k] = impacts[k].direction.dot(sum) + compliance * impacts[k].inverse_effective_mass * z[k];
     }
   };
   const auto precondition = [&](std::span<const double> r, std::span<double> s) {
-    for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].mobility;
+    for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].inverse_effective_mass;
   };
-  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, missing, 0, lower, upper, tolerance},
+  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, violation, 0, lower, upper, tolerance},
         {most_products}, sizes);
   spread(impacts, sizes);
 }
@@ -203,8 +207,10 @@ void ImpulseContact::spread(std::span<const Impact> impacts, std::span<const dou
     if (sizes[k] <= 0) continue;
     Vec3 slip = parting(i) - i.spin;
     slip -= i.direction.dot(slip) * i.direction;
-    const double stops = slip.norm() / i.mobility, rubs = std::min(i.friction * sizes[k], stops);
-    const Vec3 impulse = sizes[k] * i.direction - (stops > 0 ? rubs / stops : 0.0) / i.mobility * slip;
+    const double stops = slip.norm() / i.inverse_effective_mass,
+                 rubs = std::min(i.friction * sizes[k], stops);
+    const Vec3 impulse =
+        sizes[k] * i.direction - (stops > 0 ? rubs / stops : 0.0) / i.inverse_effective_mass * slip;
     for (int v = 0; v < 4; ++v) push_[i.vertices[v]] += i.weights[v] * impulse;
   }
   search_.accumulate(push_);

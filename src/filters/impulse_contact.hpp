@@ -30,8 +30,8 @@ private:
     std::array<Local, 4> vertices;
     std::array<double, 4> weights;
     Vec3 direction;
-    double mobility; ///< 1/kg
-    double wanted;   ///< m
+    double inverse_effective_mass; ///< 1/kg
+    double wanted;                 ///< m
     double friction;
     Vec3 spin; ///< m, of the body's surface
   };
@@ -39,7 +39,7 @@ private:
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   Motion motion() const { return {start_, target_, bodies_from_, bodies_to_}; }
-  void take_pairs();
+  void update_pairs();
   void take_displacements();
   std::optional<Impact> impact(const Pair& pair, const Approach& approach, double wanted) const;
   std::vector<Impact> too_near() const;
@@ -63,7 +63,7 @@ private:
   std::vector<Vec3> start_, target_;             ///< m, of local vertices
   std::vector<Vec3> bodies_from_, bodies_to_;    ///< m
   std::vector<Vec3> start_field_, displacement_; ///< m, contact fields
-  std::vector<Vec3> mobility_;                   ///< 1/kg, in the first component, as a contact field
+  std::vector<Vec3> inverse_effective_mass_;     ///< 1/kg, in the first component, as a contact field
   std::vector<Vec3> push_;                       ///< kg m, a contact field
   std::vector<Vec3> pushed_;                     ///< kg m, of owned vertices, over the step
 };

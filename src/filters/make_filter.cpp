@@ -16,8 +16,8 @@ std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& p
   switch (options.method) {
   case fast_projection:
     if (options.constrain == config::Constrain::vertices)
-      return std::make_unique<FastProjection<MetricRows>>(cloth, options, weight);
-    return std::make_unique<FastProjection<EdgeRows>>(cloth, options, weight);
+      return std::make_unique<FastProjection<MetricSet>>(cloth, options, weight);
+    return std::make_unique<FastProjection<EdgeSet>>(cloth, options, weight);
   case icd:
     return std::make_unique<Icd>(cloth, pattern, options, weight);
   case sap:

@@ -8,18 +8,18 @@
 
 namespace taut {
 
-MetricRows::MetricRows(const Cloth& cloth, const config::Inextensibility& options, double weight)
+MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options, double weight)
     : cloth_(cloth), metric_(cloth), carries_tension_(options.carried_tension),
       compliance_(compliance_of(options, weight)), inverse_mass_(cloth.mesh.vertices.size()),
       sides_(cloth.mesh.edges.size()), values_(cloth.mesh.vertices.owned), residual_(values_),
-      shift_(values_), change_(cloth.mesh.vertices.size()), mu_(change_),
+      scaled_compliance_(values_), change_(cloth.mesh.vertices.size()), mu_(change_),
       edge_change_(cloth.mesh.edges.size()), edge_sum_(edge_change_) {
   for (const double area : cloth.measure) scale_.push_back(std::sqrt(area));
   find_columns();
   system_.emplace(cloth.mesh, column_begin_, column_rows_, solver_options(options));
 }
 
-void MetricRows::find_columns() {
+void MetricSet::find_columns() {
   for (Local p = 0; p < cloth_.mesh.vertices.owned; ++p) {
     const std::size_t first = column_rows_.size();
     for (const EdgeEnd& end : cloth_.mesh.star_of(p))
@@ -35,18 +35,18 @@ void MetricRows::find_columns() {
   columns_.resize(column_rows_.size());
 }
 
-void MetricRows::start(const State& start, double dt, const Freedom& freedom, const Candidate&) {
+void MetricSet::start(const State& start, double dt, const Freedom& freedom, const Candidate&) {
   dt_ = dt;
   freedom_ = freedom;
   for (std::size_t i = 0; i < mu_.size(); ++i) {
     inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
-    mu_[i] = carries_tension_ ? Vec2(0.5 * dt * dt * scale_[i] * start.stress[i].cwiseMax(0.0))
+    mu_[i] = carries_tension_ ? Vec2(0.5 * dt * dt * scale_[i] * start.multipliers.stress[i].cwiseMax(0.0))
                               : Vec2(Vec2::Zero());
   }
   edge_sum_.assign(edge_sum_.size(), 0.0);
 }
 
-double MetricRows::evaluate(std::span<const Vec3> x) {
+double MetricSet::evaluate(std::span<const Vec3> x) {
   const DistributedMesh& mesh = cloth_.mesh;
   for (std::size_t e = 0; e < sides_.size(); ++e) {
     const auto& [a, b] = mesh.edge_vertices[e];
@@ -64,7 +64,7 @@ double MetricRows::evaluate(std::span<const Vec3> x) {
   return max_over(mesh.comm, max);
 }
 
-void MetricRows::fill_columns() {
+void MetricSet::fill_columns() {
   for (auto& column : columns_) column.fill(Vec3::Zero());
   for (const auto& [end, weight, place] : entries_) {
     const Vec3 g = 2.0 * end.sign * sides_[end.edge];
@@ -73,7 +73,7 @@ void MetricRows::fill_columns() {
 }
 
 /// Whether any motion that is free changes the metric at an owned vertex.
-bool MetricRows::can_change(Local vertex) const {
+bool MetricSet::can_change(Local vertex) const {
   const auto shares = metric_.of_vertex(vertex);
   return std::any_of(shares.begin(), shares.end(), [&](const auto& share) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[share.edge];
@@ -82,16 +82,16 @@ bool MetricRows::can_change(Local vertex) const {
   });
 }
 
-SolveReport MetricRows::solve(double tolerance) {
+SolveReport MetricSet::solve(double tolerance) {
   const DistributedMesh& mesh = cloth_.mesh;
   for (Local i = 0; i < mesh.vertices.owned; ++i) {
     const bool free = can_change(i);
     const double a = 4.0 * compliance_ * scale_[i] / (dt_ * dt_);
-    shift_[i].setConstant(free ? a : 1.0);
+    scaled_compliance_[i].setConstant(free ? a : 1.0);
     residual_[i] = free ? Vec2(values_[i] - a * mu_[i]) : Vec2(Vec2::Zero());
   }
   fill_columns();
-  system_->assemble(columns_, inverse_mass_, freedom_, shift_);
+  system_->assemble(columns_, inverse_mass_, freedom_, scaled_compliance_);
   SolveReport report = system_->solve(residual_, tolerance, change_);
   if (!report.failure.empty()) return report;
   for (std::size_t i = 0; i < mu_.size(); ++i) mu_[i] += change_[i];
@@ -104,18 +104,20 @@ SolveReport MetricRows::solve(double tolerance) {
   return report;
 }
 
-Vec3 MetricRows::pulled(Local vertex) const {
+Vec3 MetricSet::pulled(Local vertex) const {
   Vec3 pull = Vec3::Zero();
   for (const EdgeEnd& end : cloth_.mesh.star_of(vertex))
     pull += 2.0 * end.sign * edge_change_[end.edge] * sides_[end.edge];
   return inverse_mass_[vertex] * freedom_.allowed(vertex, pull);
 }
 
-void MetricRows::finish(Candidate& candidate) const {
-  for (std::size_t i = 0; i < mu_.size(); ++i) candidate.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
+void MetricSet::finish(Candidate& candidate) const {
+  for (std::size_t i = 0; i < mu_.size(); ++i)
+    candidate.multipliers.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
   for (std::size_t e = 0; e < edge_sum_.size(); ++e)
-    candidate.force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
-  cloth_.mesh.edge_halo.update(candidate.force_density); // an edge far from owned vertices lacks triangles
+    candidate.multipliers.force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
+  cloth_.mesh.edge_halo.update(
+      candidate.multipliers.force_density); // an edge far from owned vertices lacks triangles
 }
 
 } // namespace taut

@@ -2,6 +2,7 @@
 #include "src/linear/metric_system.hpp"
 #include "src/state/averaged_metric.hpp"
 #include "src/state/freedom.hpp"
+#include "src/state/state.hpp"
 
 #include <optional>
 
@@ -16,11 +17,11 @@ namespace taut {
 ///
 /// On most meshes some rows nearly depend on others. The compliance c, in 1/N, makes C = a mu with a = 4 c
 /// s/h^2, so that a strip as wide as s strains by c for each newton of its tension.
-class MetricRows {
+class MetricSet {
 public:
-  /// As of EdgeRows, for a mesh of triangles alone. The default compliance is that of EdgeConstraints.
+  /// As of EdgeSet, for a mesh of triangles alone. The default compliance is that of EdgeConstraints.
   /// Collective.
-  MetricRows(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  MetricSet(const Cloth& cloth, const config::Inextensibility& options, double weight);
 
   void start(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   double evaluate(std::span<const Vec3> x);
@@ -52,7 +53,7 @@ private:
   std::vector<double> scale_, inverse_mass_; ///< s, and 1/m_i or 0 if held; of local vertices
   std::vector<Vec3> sides_;                  ///< of local edges, m
   std::vector<std::array<Vec3, 2>> columns_; ///< dC/dx of each row that a vertex has a part in
-  std::vector<Vec2> values_, residual_, shift_, change_, mu_;
+  std::vector<Vec2> values_, residual_, scaled_compliance_, change_, mu_;
   std::vector<double> edge_change_, edge_sum_; ///< J^T d_mu, and its sum over the step, by squared length
 };
 

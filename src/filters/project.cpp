@@ -81,7 +81,7 @@ std::vector<Vec3> Projector::project(std::span<const Vec3> candidate) {
   mesh.vertex_halo.update(start.positions);
   Candidate step;
   step.velocities.assign(candidate.size(), Vec3::Zero());
-  step.force_density.assign(mesh.edges.size(), 0.0);
+  step.multipliers.force_density.assign(mesh.edges.size(), 0.0);
   const FilterReport report = filter_.apply(start, dt_, held_, step);
   if (!report.failure.empty()) throw ProjectionError(report.failure);
   for (std::size_t i = 0; i < candidate.size(); ++i) start.positions[i] += dt_ * step.velocities[i];

@@ -45,7 +45,7 @@ public:
 private:
   Cloth cloth_;
   double dt_;
-  FastProjection<EdgeRows> filter_;
+  FastProjection<EdgeSet> filter_;
   std::vector<char> held_;
 };
 

@@ -27,7 +27,7 @@ SolveReport Rattle::project_velocities(Candidate& candidate) {
     const bool can_change = shake_.step().is_free(a) || shake_.step().is_free(b);
     rates_[e] = can_change ? c.gradients()[e].dot(candidate.velocities[b] - candidate.velocities[a]) : 0.0;
   }
-  system_.assemble(c.gradients(), c.inverse_mass(), c.freedom(), c.shift());
+  system_.assemble(c.gradients(), c.inverse_mass(), c.freedom(), c.scaled_compliance());
   const SolveReport solved = system_.solve(rates_, tolerance, eta_);
   candidate.end_velocities = candidate.velocities;
   for (Local i = 0; i < mesh.vertices.owned; ++i)

@@ -29,7 +29,7 @@ SolveReport Sap::iterate(const Freedom& freedom, double strain) {
   const EdgeConstraints& c = step_.constraints;
   weigh_edges();
   c.residual(step_.mu, gap_);
-  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.shift(), &freedom});
+  system_.assemble({c.cloth().mass, weight_, c.gradients(), c.scaled_compliance(), &freedom});
   SolveReport report = system_.solve(no_force_, gap_, forcing(strain, options_.strain), dx_, d_mu_);
   if (!report.failure.empty()) return report;
   for (std::size_t e = 0; e < d_mu_.size(); ++e) step_.mu[e] += d_mu_[e];

@@ -44,7 +44,7 @@ SolveReport Shake::iterate(double strain) {
   const EdgeConstraints& c = step_.constraints;
   const bool lagged = options_.shake.value_or(config::Shake{}).matrix == config::ShakeMatrix::lagged;
   if (!lagged || last_strain_ == 0 || strain > 0.5 * last_strain_)
-    system_.assemble(c.gradients(), start_gradients_, c.inverse_mass(), c.freedom(), c.shift());
+    system_.assemble(c.gradients(), start_gradients_, c.inverse_mass(), c.freedom(), c.scaled_compliance());
   last_strain_ = strain;
   c.residual(step_.mu, gap_);
   const SolveReport solved = system_.solve(gap_, forcing(strain, options_.strain), d_mu_);

@@ -10,7 +10,7 @@ FilterReport SpringTension::apply(const State& start, double dt, const Freedom&,
   for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
     const double length = (x[b] - x[a] + dt * (v[b] - v[a])).norm(), l = cloth_.rest_length[e];
-    candidate.force_density[e] = stiffness_ * (1 / l - 1 / length);
+    candidate.multipliers.force_density[e] = stiffness_ * (1 / l - 1 / length);
   }
   return {};
 }

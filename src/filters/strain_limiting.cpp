@@ -19,13 +19,14 @@ FilterReport StrainLimiting::apply(const State& start, double dt, const Freedom&
   };
   sweeps_.start(dt, 0.0, freedom);
   for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = start.positions[i] + dt * candidate.velocities[i];
-  for (std::size_t e = 0; e < s_.size(); ++e) s_[e] = candidate.force_density[e] * length(Local(e)) * dt * dt;
+  for (std::size_t e = 0; e < s_.size(); ++e)
+    s_[e] = candidate.multipliers.force_density[e] * length(Local(e)) * dt * dt;
   const FilterReport report = sweep_to_limit();
   for (std::size_t i = 0; i < x_.size(); ++i)
     if (!freedom.is_held(Local(i))) candidate.velocities[i] = (x_[i] - start.positions[i]) / dt;
   for (Local e = 0; e < cloth_.mesh.edges.owned; ++e)
-    candidate.force_density[e] = s_[e] / (length(e) * dt * dt);
-  cloth_.mesh.edge_halo.update(candidate.force_density);
+    candidate.multipliers.force_density[e] = s_[e] / (length(e) * dt * dt);
+  cloth_.mesh.edge_halo.update(candidate.multipliers.force_density);
   return report;
 }
 

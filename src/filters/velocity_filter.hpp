@@ -1,6 +1,6 @@
 #pragma once
-#include "src/state/cloth.hpp"
 #include "src/state/freedom.hpp"
+#include "src/state/state.hpp"
 
 #include <string>
 
@@ -12,7 +12,7 @@ struct FilterReport {
   Global contacts = 0;         ///< features in reach of each other
   Global contacts_if_even = 0; ///< if every rank had as many as the one with most
   double contact_seconds = 0;  ///< spent on finding them and on moving without meeting them
-  bool laboured = false;       ///< two steps of half the length would have cost less, most likely
+  bool too_costly = false;     ///< two steps of half the length would have cost less, most likely
   std::string failure;         ///< empty, or why the step cannot be accepted
 };
 

@@ -5,10 +5,10 @@
 
 namespace taut {
 
-AngleBending::AngleBending(const Cloth& cloth, std::span<const Fold> folds, RestAngle rest,
+AngleBending::AngleBending(const Cloth& cloth, std::span<const HingeStencil> folds, RestAngle rest,
                            const PerPiece<double>& damping)
     : cloth_(cloth) {
-  for (const Fold& f : folds)
+  for (const HingeStencil& f : folds)
     bends_.push_back({f, rest == RestAngle::flat ? 0.0 : dihedral(f.rest).angle,
                       damping.of(cloth.piece_of(f.vertices[0])).value_or(0)});
 }
@@ -38,9 +38,9 @@ void AngleBending::add_to(StepSystem& system, const State& state) const {
   }
 }
 
-double largest_rest_angle(const Cloth& cloth, std::span<const Fold> folds) {
+double largest_rest_angle(const Cloth& cloth, std::span<const HingeStencil> folds) {
   double largest = 0;
-  for (const Fold& f : folds) largest = std::max(largest, std::abs(dihedral(f.rest).angle));
+  for (const HingeStencil& f : folds) largest = std::max(largest, std::abs(dihedral(f.rest).angle));
   return max_over(cloth.mesh.comm, largest);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/forces/fold.hpp"
+#include "src/forces/hinge_stencil.hpp"
 
 namespace taut {
 
@@ -20,7 +20,7 @@ enum class RestAngle {
 class AngleBending : public Force {
 public:
   /// `cloth` must outlive the force; `damping` is the stiffness-proportional damping in s.
-  AngleBending(const Cloth& cloth, std::span<const Fold> folds, RestAngle rest,
+  AngleBending(const Cloth& cloth, std::span<const HingeStencil> folds, RestAngle rest,
                const PerPiece<double>& damping);
 
   std::string_view name() const override { return "bending"; }
@@ -29,7 +29,7 @@ public:
 
 private:
   struct Bend {
-    Fold fold;
+    HingeStencil fold;
     double rest_angle;
     double damping; ///< s
   };
@@ -39,6 +39,6 @@ private:
 };
 
 /// Largest angle over an edge in the rest shape, in rad: 0 for a mesh that is flat at rest. Collective.
-double largest_rest_angle(const Cloth& cloth, std::span<const Fold> folds);
+double largest_rest_angle(const Cloth& cloth, std::span<const HingeStencil> folds);
 
 } // namespace taut

@@ -14,7 +14,8 @@ public:
   std::string_view name() const override { return "carried_contact"; }
   double energy(const State&) const override { return 0; }
   void add_to(StepSystem& system, const State& state) const override {
-    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) system.add_force(i, state.contact_force[i]);
+    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+      system.add_force(i, state.multipliers.carried_contact_force[i]);
   }
 
 private:

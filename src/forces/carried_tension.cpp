@@ -13,7 +13,7 @@ void CarriedTension::add_to(StepSystem& system, const State& state) const {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : cloth_.mesh.star_of(i)) {
-      const double q = std::max(state.force_density[end.edge], 0.0);
+      const double q = std::max(state.multipliers.force_density[end.edge], 0.0);
       pull += q * (state.positions[end.other] - state.positions[i]);
       system.add_laplacian(i, end.other, *slot++, q);
     }

@@ -1,7 +1,7 @@
 #pragma once
 #include "src/linear/step_system.hpp"
-#include "src/state/cloth.hpp"
 #include "src/state/per_piece.hpp"
+#include "src/state/state.hpp"
 
 #include <string_view>
 

@@ -10,10 +10,10 @@ void IsometricBending::for_each(Visit&& visit) const {
   for (const auto& s : wide_) visit(s);
 }
 
-IsometricBending::IsometricBending(const Cloth& cloth, const Pattern& pattern, std::span<const Fold> folds,
-                                   const PerPiece<double>& damping)
+IsometricBending::IsometricBending(const Cloth& cloth, const Pattern& pattern,
+                                   std::span<const HingeStencil> folds, const PerPiece<double>& damping)
     : cloth_(cloth) {
-  for (const Fold& f : folds) {
+  for (const HingeStencil& f : folds) {
     const auto& v = f.vertices;
     const double d = damping.of(cloth.piece_of(v[0])).value_or(0);
     const double length = (f.rest[1] - f.rest[0]).norm(); // f.stiffness / length^2 = B / A

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/forces/fold.hpp"
+#include "src/forces/hinge_stencil.hpp"
 
 namespace taut {
 
@@ -9,7 +9,7 @@ namespace taut {
 class IsometricBending : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force; `damping` is the stiffness-proportional damping in s.
-  IsometricBending(const Cloth& cloth, const Pattern& pattern, std::span<const Fold> folds,
+  IsometricBending(const Cloth& cloth, const Pattern& pattern, std::span<const HingeStencil> folds,
                    const PerPiece<double>& damping);
 
   std::string_view name() const override { return "bending"; }

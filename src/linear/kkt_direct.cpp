@@ -106,7 +106,7 @@ void KktSystem::Direct::assemble(const Terms& t) {
       },
       [&](Local e) {
         const auto& [a, b] = mesh_.edge_vertices[e];
-        add(free(a) || free(b) ? -t.shift[e] : -1.0);
+        add(free(a) || free(b) ? -t.scaled_compliance[e] : -1.0);
         for (int k = 0; k < 3; ++k) add(free(a) ? -t.gradient[e][k] : 0.0);
         for (int k = 0; k < 3; ++k) add(free(b) ? t.gradient[e][k] : 0.0);
       });

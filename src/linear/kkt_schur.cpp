@@ -38,7 +38,7 @@ void KktSystem::Schur::assemble(const Terms& terms) {
   for (Local i = 0; i < mesh_.vertices.owned; ++i)
     inverse_[i] = terms.freedom->is_held(i) ? 0.0 : 1.0 / stiffened_mass_.values()[pattern.diagonal(i)];
   mesh_.vertex_halo.update(inverse_);
-  edges_.assemble(terms.gradient, inverse_, *terms.freedom, terms.shift);
+  edges_.assemble(terms.gradient, inverse_, *terms.freedom, terms.scaled_compliance);
 }
 
 void KktSystem::Schur::solve_vertices(std::span<const Vec3> b, double tolerance, std::vector<Vec3>& x) {
@@ -75,7 +75,7 @@ void KktSystem::Schur::apply(std::span<const double> mu, std::span<double> produ
     if (terms_.freedom->is_held(a) && terms_.freedom->is_held(b))
       product[e] = mu[e];
     else
-      product[e] += terms_.shift[e] * mu[e];
+      product[e] += terms_.scaled_compliance[e] * mu[e];
   }
 }
 

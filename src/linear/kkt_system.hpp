@@ -34,8 +34,8 @@ public:
     std::span<const double> weight; ///< w, kg, of local edges
     std::span<const Vec3>
         gradient; ///< J, of local edges: by the second vertex of an edge, minus that by its first
-    std::span<const double> shift; ///< a, of owned edges
-    const Freedom* freedom;        ///< of local vertices
+    std::span<const double> scaled_compliance; ///< a, of owned edges
+    const Freedom* freedom;                    ///< of local vertices
   };
 
   /// With mumps vertices can only be free or held: throws std::invalid_argument for others. Collective.

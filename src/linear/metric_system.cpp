@@ -69,7 +69,7 @@ MetricSystem::~MetricSystem() = default;
 
 void MetricSystem::assemble(std::span<const std::array<Vec3, 2>> columns,
                             std::span<const double> inverse_mass, const Freedom& freedom,
-                            std::span<const Vec2> shift) {
+                            std::span<const Vec2> scaled_compliance) {
   auto value = values_.begin();
   for (std::size_t p = 0; p + 1 < begin_.size(); ++p)
     for (std::size_t r = begin_[p]; r < begin_[p + 1]; ++r) {
@@ -78,7 +78,7 @@ void MetricSystem::assemble(std::span<const std::array<Vec3, 2>> columns,
       for (std::size_t c = begin_[p]; c < begin_[p + 1]; ++c)
         for (int k = 0; k < 4; ++k) *value++ = (k / 2 == 0 ? warp : weft).dot(columns[c][k % 2]);
     }
-  for (const Vec2& a : shift)
+  for (const Vec2& a : scaled_compliance)
     for (const double s : a) *value++ = s;
   check(MatSetValuesCOO(petsc_->matrix, values_.data(), INSERT_VALUES));
 }

@@ -21,9 +21,9 @@ public:
   ~MetricSystem();
 
   /// W = S_i / m_i. `columns`: for each of `rows`, the derivatives by x_p of its two constraints;
-  /// `inverse_mass` as in ProjectionSystem; `shift` is a, of owned vertices. Collective.
+  /// `inverse_mass` as in ProjectionSystem; `scaled_compliance` is a, of owned vertices. Collective.
   void assemble(std::span<const std::array<Vec3, 2>> columns, std::span<const double> inverse_mass,
-                const Freedom& freedom, std::span<const Vec2> shift);
+                const Freedom& freedom, std::span<const Vec2> scaled_compliance);
 
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance given. Collective.
   SolveReport solve(std::span<const Vec2> rhs, double tolerance, std::vector<Vec2>& mu);

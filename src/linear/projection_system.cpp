@@ -140,7 +140,7 @@ struct ProjectionSystem::Petsc {
 
   void fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
             std::span<const Vec3> column_gradient, std::span<const double> inverse_mass,
-            const Freedom& freedom, std::span<const double> shift);
+            const Freedom& freedom, std::span<const double> scaled_compliance);
   SolveReport solve(const DistributedMesh& mesh, Mat system, std::span<const double> b, double tolerance,
                     std::vector<double>& mu);
 
@@ -181,7 +181,7 @@ ProjectionSystem::~ProjectionSystem() = default;
 void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const Vec3> row_gradient,
                                    std::span<const Vec3> column_gradient,
                                    std::span<const double> inverse_mass, const Freedom& freedom,
-                                   std::span<const double> shift) {
+                                   std::span<const double> scaled_compliance) {
   std::fill(rows.own.values.begin(), rows.own.values.end(), 0.0);
   std::fill(rows.ghost.values.begin(), rows.ghost.values.end(), 0.0);
   auto coupling = rows.coupling.begin();
@@ -190,7 +190,8 @@ void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const 
     const Vec3 at_a = inverse_mass[a] * freedom.allowed(a, row_gradient[e]),
                at_b = inverse_mass[b] * freedom.allowed(b, row_gradient[e]); // a row of J W
     const bool can_change = !at_a.isZero(0) || !at_b.isZero(0);
-    rows.value(e, rows.diagonal[e]) = can_change ? (at_a + at_b).dot(column_gradient[e]) + shift[e] : 1.0;
+    rows.value(e, rows.diagonal[e]) =
+        can_change ? (at_a + at_b).dot(column_gradient[e]) + scaled_compliance[e] : 1.0;
     for_each_coupling(mesh, e, [&, a = a](Local vertex, Local other, double sign) {
       rows.value(e, *coupling++) += sign * (vertex == a ? at_a : at_b).dot(column_gradient[other]);
     });
@@ -198,25 +199,25 @@ void ProjectionSystem::Petsc::fill(const DistributedMesh& mesh, std::span<const 
 }
 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
-                                std::span<const double> shift) {
-  assemble(gradient, inverse_mass, Freedom(inverse_mass.size()), shift);
+                                std::span<const double> scaled_compliance) {
+  assemble(gradient, inverse_mass, Freedom(inverse_mass.size()), scaled_compliance);
 }
 
 void ProjectionSystem::assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
-                                const Freedom& freedom, std::span<const double> shift) {
+                                const Freedom& freedom, std::span<const double> scaled_compliance) {
   Petsc& p = *petsc_;
-  p.fill(mesh_, gradient, gradient, inverse_mass, freedom, shift);
+  p.fill(mesh_, gradient, gradient, inverse_mass, freedom, scaled_compliance);
   p.update_blocks(mesh_);
   p.mark();
 }
 
 void ProjectionSystem::assemble(std::span<const Vec3> rows, std::span<const Vec3> columns,
                                 std::span<const double> inverse_mass, const Freedom& freedom,
-                                std::span<const double> shift) {
+                                std::span<const double> scaled_compliance) {
   Petsc& p = *petsc_;
-  p.fill(mesh_, columns, columns, inverse_mass, freedom, shift);
+  p.fill(mesh_, columns, columns, inverse_mass, freedom, scaled_compliance);
   p.update_blocks(mesh_);
-  p.fill(mesh_, rows, columns, inverse_mass, freedom, shift);
+  p.fill(mesh_, rows, columns, inverse_mass, freedom, scaled_compliance);
   p.mark();
 }
 

@@ -21,19 +21,20 @@ public:
 
   /// W = S_i / m_i: `gradient[e]` is the derivative of constraint e by its second vertex (minus that by its
   /// first), for all local edges; `inverse_mass` is 1 / m_i, or 0 at vertices that may not move, for all
-  /// local vertices; `shift` is a, for owned edges. An edge that no motion changes gets the row mu = b: give
-  /// it 0. Collective.
+  /// local vertices; `scaled_compliance` is a, for owned edges. An edge that no motion changes gets the row
+  /// mu = b: give it 0. Collective.
   void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass, const Freedom& freedom,
-                std::span<const double> shift);
+                std::span<const double> scaled_compliance);
 
   /// The same with S_i = I for all vertices.
   void assemble(std::span<const Vec3> gradient, std::span<const double> inverse_mass,
-                std::span<const double> shift);
+                std::span<const double> scaled_compliance);
 
   /// As above for S = J' W J^T with other gradients `rows` in J' than in J, `columns`; the options must say
   /// that the matrix is not symmetric. The preconditioner `yarn` is that of J W J^T. Collective.
   void assemble(std::span<const Vec3> rows, std::span<const Vec3> columns,
-                std::span<const double> inverse_mass, const Freedom& freedom, std::span<const double> shift);
+                std::span<const double> inverse_mass, const Freedom& freedom,
+                std::span<const double> scaled_compliance);
 
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance `tolerance` in the natural
   /// norm. `rhs` holds owned edges; it may be `mu`. Collective.

@@ -8,7 +8,7 @@ namespace {
 
 /// work(dimension), which is of the cells, as a constant.
 template<class Work>
-void in_dimension_of(const SplineCells& cells, Work&& work) {
+void in_dimension_of(const SplineBasis& cells, Work&& work) {
   switch (cells.dimension()) {
   case 0:
     return work(std::integral_constant<int, 0>());
@@ -71,7 +71,7 @@ void SplineGrid::gather(std::span<const Vec3> fine, std::vector<Vec3>& coarse) c
   std::fill(coarse.begin(), coarse.end(), Vec3::Zero());
   in_dimension_of(cells_, [&](auto dimension) {
     for (Local cell = 0; cell < cells_.size(); ++cell) {
-      std::array<Vec3, SplineCells::nodes_of_cell(dimension)> sums;
+      std::array<Vec3, SplineBasis::nodes_of_cell(dimension)> sums;
       sums.fill(Vec3::Zero());
       for (const Local i : points_in(cell)) {
         if (is_held(i)) continue;
@@ -89,7 +89,7 @@ void SplineGrid::add_spread(std::vector<Vec3>& coarse, std::span<Vec3> fine) con
   halo_.update(coarse);
   in_dimension_of(cells_, [&](auto dimension) {
     for (Local cell = 0; cell < cells_.size(); ++cell) {
-      std::array<Vec3, SplineCells::nodes_of_cell(dimension)> values;
+      std::array<Vec3, SplineBasis::nodes_of_cell(dimension)> values;
       const auto nodes = nodes_of(cell);
       for (std::size_t a = 0; a < values.size(); ++a) values[a] = coarse[nodes[a]];
       for (const Local i : points_in(cell)) {

@@ -1,14 +1,14 @@
 #pragma once
 #include "partition/index_map.hpp"
 #include "src/linear/sparse_rows.hpp"
-#include "src/linear/spline_cells.hpp"
+#include "src/linear/spline_basis.hpp"
 
 #include <unordered_map>
 
 namespace taut {
 
 /// A coarse grid for a scalar matrix S between points: functions are coarse if they are sums of the splines
-/// of a SplineCells, u = P c, and their matrix is P^T S P. The grid lies in space and depends neither on the
+/// of a SplineBasis, u = P c, and their matrix is P^T S P. The grid lies in space and depends neither on the
 /// partition nor on the mesh. The fewer nodes there are, the fewer ranks own them.
 class SplineGrid {
 public:
@@ -64,7 +64,7 @@ private:
                  std::size_t(cell_offsets_[cell + 1] - cell_offsets_[cell]));
   }
 
-  SplineCells cells_;
+  SplineBasis cells_;
   std::size_t per_cell_; ///< nodes
   std::span<const char> held_;
 

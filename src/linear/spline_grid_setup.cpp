@@ -47,7 +47,7 @@ std::vector<int> owners_of(MPI_Comm comm, std::span<const Global> keys, std::spa
 } // namespace
 
 SplineGrid::SplineGrid(MPI_Comm comm, const SparseRows& rows, std::span<const Vec3> points, double spacing)
-    : cells_(comm, points, spacing), per_cell_(SplineCells::nodes_of_cell(cells_.dimension())) {
+    : cells_(comm, points, spacing), per_cell_(SplineBasis::nodes_of_cell(cells_.dimension())) {
   sort_points(rows);
   find_near_cells(rows);
   std::vector<Coupling> own = couplings();

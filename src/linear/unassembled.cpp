@@ -50,20 +50,20 @@ PetscErrorCode set_up_axis(PC pc) {
   PetscCheck(unassembled, PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_ARG_WRONGSTATE,
              "pc_type axis works on the velocity matrix only");
   const UnassembledMatrix::Parts& parts = parts_of(pc->pmat);
-  if (!pc->data) pc->data = new AxisPreconditioner(parts.mesh, parts.pattern);
-  static_cast<AxisPreconditioner*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.freedom());
+  if (!pc->data) pc->data = new ScalarPreconditioner(parts.mesh, parts.pattern);
+  static_cast<ScalarPreconditioner*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.freedom());
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode apply_axis(PC pc, Vec b, Vec x) {
   return on_arrays(b, x, [pc](std::span<const double> from, std::span<double> to) {
-    static_cast<AxisPreconditioner*>(pc->data)->solve(as_vectors(from), as_vectors(to));
+    static_cast<ScalarPreconditioner*>(pc->data)->solve(as_vectors(from), as_vectors(to));
   });
 }
 
 PetscErrorCode destroy_axis(PC pc) {
   PetscFunctionBegin;
-  delete static_cast<AxisPreconditioner*>(pc->data);
+  delete static_cast<ScalarPreconditioner*>(pc->data);
   pc->data = nullptr;
   PetscFunctionReturn(0);
 }

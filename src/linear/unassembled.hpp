@@ -1,14 +1,14 @@
 #pragma once
-#include "src/linear/axis_preconditioner.hpp"
 #include "src/linear/filtered_operator.hpp"
 #include "src/linear/petsc.hpp"
+#include "src/linear/scalar_preconditioner.hpp"
 
 #include <memory>
 
 namespace taut {
 
 /// The filtered velocity matrix as PETSc sees it when it is not assembled: it can be multiplied with, and it
-/// supports the preconditioners `axis` (AxisPreconditioner), `pbjacobi` and `jacobi`.
+/// supports the preconditioners `axis` (ScalarPreconditioner), `pbjacobi` and `jacobi`.
 class UnassembledMatrix {
 public:
   /// Collective.

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/linear/far_terms.hpp"
+#include "src/linear/contact_couplings.hpp"
 #include "src/linear/pattern.hpp"
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace taut {
 /// over at most six vertices for every energy or dissipation of one scalar condition (shear, drag, stretch,
 /// folding, contact). It takes a quarter of the memory of its 3 x 3 blocks, and a product with it a quarter
 /// of the time. Rows of owned vertices, columns of local ones; filled anew for every step, without
-/// communication. Terms between vertices that are not neighbours are kept apart, as FarTerms.
+/// communication. Terms between vertices that are not neighbours are kept apart, as ContactCouplings.
 class VertexMatrix {
 public:
   /// Vertices all different; unused places repeat one and hold a zero gradient. Most conditions have four
@@ -61,7 +61,7 @@ public:
   }
 
   /// A += the terms, in place of those set before.
-  void set_far(FarTerms terms) { far_ = std::move(terms); }
+  void set_far(ContactCouplings terms) { far_ = std::move(terms); }
   bool has_far() const { return far_.has_value(); }
   std::span<const Mat3> far_diagonal_blocks() const { return far_->diagonal_blocks(); }
 
@@ -87,7 +87,7 @@ private:
   std::vector<double> values_;
   std::vector<RankOne> rank_ones_;
   std::vector<WideRankOne> wide_rank_ones_;
-  std::optional<FarTerms> far_;
+  std::optional<ContactCouplings> far_;
 };
 
 } // namespace taut

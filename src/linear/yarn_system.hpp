@@ -13,7 +13,7 @@ public:
 
   /// As ProjectionSystem::assemble. Collective over neighbours.
   void factor(std::span<const Vec3> gradient, std::span<const double> inverse_mass, const Freedom& freedom,
-              std::span<const double> shift);
+              std::span<const double> scaled_compliance);
 
   /// x = T^-1 b over owned edges; both may be the same. Collective over neighbours.
   void solve(std::span<const double> b, std::span<double> x) const { factor_.solve(b, x); }

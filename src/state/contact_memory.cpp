@@ -26,7 +26,7 @@ ContactMemory added_up(std::vector<Item> items) {
 
 } // namespace
 
-Pressed& Pressed::operator+=(const Pressed& other) {
+ContactImpulse& ContactImpulse::operator+=(const ContactImpulse& other) {
   normal += other.normal;
   tangent += other.tangent;
   return *this;

@@ -17,17 +17,17 @@ using ContactKey = std::array<Global, 4>;
 
 /// What has been pressed and rubbed between two features: in newtons, or in kg m within a step, newtons times
 /// the step squared.
-struct Pressed {
+struct ContactImpulse {
   double normal = 0;
   Vec3 tangent = Vec3::Zero();
 
-  Pressed scaled(double factor) const { return {normal * factor, tangent * factor}; }
-  Pressed& operator+=(const Pressed& other);
+  ContactImpulse scaled(double factor) const { return {normal * factor, tangent * factor}; }
+  ContactImpulse& operator+=(const ContactImpulse& other);
 };
 
 struct ContactEntry {
-  Pressed pressed; ///< N, by the last step
-  Pressed carried; ///< N, what of it is in State::contact_force
+  ContactImpulse pressed; ///< N, by the last step
+  ContactImpulse carried; ///< N, what of it is in State::contact_force
 
   ContactEntry scaled(double factor) const { return {pressed.scaled(factor), carried.scaled(factor)}; }
   ContactEntry& operator+=(const ContactEntry& other);

@@ -1,6 +1,6 @@
 #pragma once
-#include "src/state/cloth.hpp"
 #include "src/state/freedom.hpp"
+#include "src/state/state.hpp"
 
 namespace taut {
 

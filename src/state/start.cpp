@@ -99,14 +99,14 @@ State start_state(const Cloth& cloth, const Case& input) {
   State state;
   state.positions = start_positions(cloth, input);
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
-  state.force_density.assign(mesh.edges.size(), 0.0);
-  state.reaction.assign(mesh.vertices.owned, Vec3::Zero());
+  state.multipliers.force_density.assign(mesh.edges.size(), 0.0);
+  state.reported.reaction.assign(mesh.vertices.owned, Vec3::Zero());
   if (config::constrain_of(input, mesh.triangles_only) == config::Constrain::vertices)
-    state.stress.assign(mesh.vertices.size(), Vec2::Zero());
+    state.multipliers.stress.assign(mesh.vertices.size(), Vec2::Zero());
   if (!input.has_contact()) return state;
-  state.contact_force.assign(mesh.vertices.size(), Vec3::Zero());
-  state.pressing.assign(mesh.vertices.owned, Vec3::Zero());
-  state.pulled.assign(mesh.edges.size(), 0.0);
+  state.multipliers.carried_contact_force.assign(mesh.vertices.size(), Vec3::Zero());
+  state.reported.contact_force.assign(mesh.vertices.owned, Vec3::Zero());
+  state.multipliers.projection_tension.assign(mesh.edges.size(), 0.0);
   return state;
 }
 

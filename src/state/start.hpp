@@ -1,6 +1,6 @@
 #pragma once
 #include "partition/join.hpp"
-#include "src/state/cloth.hpp"
+#include "src/state/state.hpp"
 
 namespace taut {
 

@@ -72,7 +72,7 @@ public:
     std::vector<double> forces;
     for (const auto& [key, entry] : contacts) {
       keys.insert(keys.end(), key.begin(), key.end());
-      for (const Pressed& p : {entry.pressed, entry.carried})
+      for (const ContactImpulse& p : {entry.pressed, entry.carried})
         forces.insert(forces.end(), {p.normal, p.tangent.x(), p.tangent.y(), p.tangent.z()});
     }
     const auto mine = Global(contacts.size());

@@ -16,7 +16,7 @@ void ContactFrames::describe(std::vector<XdmfField>& fields) const {
 
 void ContactFrames::write(H5Writer& file, const State& state) {
   const OriginalOrder& order = cloth_.mesh.vertex_order;
-  file.write("/contact_forces", order.to_slab<Vec3>(state.pressing), order.slab());
+  file.write("/contact_forces", order.to_slab<Vec3>(state.reported.contact_force), order.slab());
   obstacles_.place(state.time, bodies_);
   file.write<double>("/gaps", order.to_slab<double>(gauge_.measure(state.positions, bodies_)), 1,
                      order.slab());

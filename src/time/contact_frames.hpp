@@ -1,6 +1,7 @@
 #pragma once
 #include "io/xdmf.hpp"
 #include "src/contact/gap_gauge.hpp"
+#include "src/state/state.hpp"
 
 namespace taut {
 

@@ -56,7 +56,7 @@ std::vector<double> strains_of_edges(const Cloth& cloth, const State& state) {
 std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state) {
   std::vector<double> tensions = strains_of_edges(cloth, state);
   for (std::size_t e = 0; e < tensions.size(); ++e)
-    tensions[e] = state.force_density[e] * cloth.rest_length[e] * (1.0 + tensions[e]);
+    tensions[e] = state.multipliers.force_density[e] * cloth.rest_length[e] * (1.0 + tensions[e]);
   return tensions;
 }
 

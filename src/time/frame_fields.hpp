@@ -1,5 +1,5 @@
 #pragma once
-#include "src/state/cloth.hpp"
+#include "src/state/state.hpp"
 
 /// What frames show of edges, and of faces in their place. Nothing here is collective.
 namespace taut {

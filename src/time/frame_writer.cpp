@@ -222,7 +222,8 @@ void FrameWriter::write_frame(const State& state, Global frame) {
     file.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), vertices);
     if (wants(velocity))
       file.write("/velocities", mesh.vertex_order.to_slab<Vec3>(state.velocities), vertices);
-    if (wants(reaction)) file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reaction), vertices);
+    if (wants(reaction))
+      file.write("/reactions", mesh.vertex_order.to_slab<Vec3>(state.reported.reaction), vertices);
     if (contact_) contact_->write(file, state);
     if (wants(strain)) {
       write_edges(file, "strain", strains_of_edges(cloth_, state));

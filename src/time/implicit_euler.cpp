@@ -47,14 +47,14 @@ SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedo
 
 /// Around x*, where they are linearised: x' - x* = (x - x*) + dt v'.
 void ImplicitEuler::add_forces(const StepStart& start) {
-  if (&start.forces != &start.state) {
+  if (&start.linearized_at != &start.state) {
     alteration_.resize(start.state.positions.size());
     for (std::size_t i = 0; i < alteration_.size(); ++i)
-      alteration_[i] = start.state.positions[i] - start.forces.positions[i];
+      alteration_[i] = start.state.positions[i] - start.linearized_at.positions[i];
     step_.alter_positions(alteration_);
   }
   for (const auto& force : forces_)
-    if (!loads_ || force->is_internal()) force->add_to(step_, start.forces);
+    if (!loads_ || force->is_internal()) force->add_to(step_, start.linearized_at);
   if (loads_) add_explicit_loads(start.state, start.dt);
 }
 

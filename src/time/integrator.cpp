@@ -30,12 +30,12 @@ StepStart Integrator::start(const State& state, double dt) {
   if (!has_past || ratio > longest_ratio) return {state, dt, state};
   const double euler_dt = (1 + ratio) / (1 + 2 * ratio) * dt;
   // (1 + r)^2 / (1 + 2r) = 1 + r^2 / (1 + 2r)
-  extrapolate(state, ratio * ratio / (1 + 2 * ratio), state.time + dt - euler_dt, extrapolated_);
-  extrapolate(state, ratio, state.time + dt, foreseen_);
-  return {extrapolated_, euler_dt, foreseen_};
+  extrapolate(state, ratio * ratio / (1 + 2 * ratio), state.time + dt - euler_dt, bdf_base_);
+  extrapolate(state, ratio, state.time + dt, linearization_point_);
+  return {bdf_base_, euler_dt, linearization_point_};
 }
 
-void Integrator::remember(State& state, double dt) const {
+void Integrator::store_history(State& state, double dt) const {
   if (kind_ != config::Integrator::bdf2) return;
   state.previous_positions = state.positions;
   state.previous_velocities = state.velocities;

@@ -1,14 +1,14 @@
 #pragma once
-#include "src/state/cloth.hpp"
+#include "src/state/state.hpp"
 
 namespace taut {
 
-/// A step as implicit Euler sees it: from `state`, over `dt` seconds, x' = x + dt v'. Forces are linearised
-/// at `forces`.
+/// A step as implicit Euler sees it: from `state`, over `dt` seconds, x' = x + dt v'. Forces are
+/// linearised at `linearized_at`.
 struct StepStart {
   const State& state;
   double dt;
-  const State& forces;
+  const State& linearized_at;
 };
 
 /// What a step starts from. With implicit Euler and IMEX, the present state.
@@ -35,11 +35,11 @@ public:
   StepStart start(const State& state, double dt);
 
   /// Before `state` is replaced by that `dt` seconds later. Not collective.
-  void remember(State& state, double dt) const;
+  void store_history(State& state, double dt) const;
 
 private:
   config::Integrator kind_;
-  State extrapolated_, foreseen_;
+  State bdf_base_, linearization_point_;
 };
 
 } // namespace taut

@@ -58,7 +58,7 @@ bool bends_to_mesh(const Material& material) { return material.rest_angles == co
 
 /// The folds of the pieces for which `has(number, material)` holds.
 template<class Has>
-std::vector<Fold> folds_where(const Cloth& cloth, Has&& has) {
+std::vector<HingeStencil> folds_where(const Cloth& cloth, Has&& has) {
   const auto stiffness = [&](auto&& value) {
     return per_piece(cloth, [&](std::size_t k, const Material& m) {
       return has(k, m) ? std::optional<double>(value(m)) : std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/state/cloth.hpp"
+#include "src/state/state.hpp"
 
 #include <string>
 #include <vector>

@@ -107,18 +107,19 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
 }
 
 /// The case may have use for other fields than the one that wrote the state.
-void Simulation::go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps) {
-  state.reaction.resize(state_.reaction.size(), Vec3::Zero());
-  state.contact_force.resize(state_.contact_force.size(), Vec3::Zero());
-  state.pressing.resize(state_.pressing.size(), Vec3::Zero());
-  state.stress.resize(state_.stress.size(), Vec2::Zero());
-  state.pulled.resize(state_.pulled.size(), 0.0);
+void Simulation::restore(State state, const StepSize::Memory& steps, Global rejected_steps) {
+  state.reported.reaction.resize(state_.reported.reaction.size(), Vec3::Zero());
+  state.multipliers.carried_contact_force.resize(state_.multipliers.carried_contact_force.size(),
+                                                 Vec3::Zero());
+  state.reported.contact_force.resize(state_.reported.contact_force.size(), Vec3::Zero());
+  state.multipliers.stress.resize(state_.multipliers.stress.size(), Vec2::Zero());
+  state.multipliers.projection_tension.resize(state_.multipliers.projection_tension.size(), 0.0);
   state_ = std::move(state);
   step_size_.recall(steps);
   rejected_steps_ = rejected_steps;
 }
 
-void Simulation::start_from(State state) {
+void Simulation::set_start(State state) {
   state_ = std::move(state);
   start_depth_ = lowest(cloth_, state_.positions, down_);
 }
@@ -132,7 +133,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
     if (rejected == 0 && stop())
       return {Ending::interrupted, fmt::format("stopped by a signal at t = {:.6g} s", state_.time)};
     const auto [dt, ends_frame] = step_size_.choose(state_.time, frame);
-    auto [record, failure, laboured] = attempt(dt);
+    auto [record, failure, too_costly] = attempt(dt);
     if (!failure.empty()) {
       ++rejected_steps_;
       ++rejected;
@@ -143,7 +144,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
                                           state_.time, dt, failure, place_of_fault(record))};
     }
     step_size_.accepted();
-    if (laboured) step_size_.laboured(dt);
+    if (too_costly) step_size_.too_costly(dt);
     accept(ends_frame ? step_size_.frame_time(frame) : state_.time + dt, dt);
     record.rejected = std::exchange(rejected, 0);
     record.seconds += std::exchange(wasted, {});
@@ -158,7 +159,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
   return {};
 }
 
-void Simulation::rehearse() {
+void Simulation::trial_step() {
   attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
 }
 
@@ -167,13 +168,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   Attempt attempt;
   StepRecord& record = attempt.record;
   record.dt = dt;
-  candidate_.contact_force.assign(state_.contact_force.size(), Vec3::Zero());
-  candidate_.pressing.assign(state_.pressing.size(), Vec3::Zero());
-  candidate_.stress.assign(state_.stress.size(), Vec2::Zero());
-  candidate_.pulled.assign(state_.pulled.size(), 0.0);
-  candidate_.contacts.clear();
-  candidate_.end_velocities.clear();
-  candidate_.force_density.resize(state_.force_density.size());
+  candidate_.start_from(state_);
   Stopwatch watch;
   const double cpu = cpu_seconds();
   const StepStart start = start_of_step(dt);
@@ -219,18 +214,18 @@ StepStart Simulation::start_of_step(double dt) {
 /// would have to pull, it is made again without them.
 void Simulation::predict(const StepStart& start, Attempt& attempt) {
   const PhaseScope phase(Phase::velocity);
-  for (std::size_t e = 0; e < state_.force_density.size(); ++e)
-    candidate_.force_density[e] = carried(state_.force_density[e]);
+  for (std::size_t e = 0; e < state_.multipliers.force_density.size(); ++e)
+    candidate_.multipliers.force_density[e] = carried(state_.multipliers.force_density[e]);
   for (int round = 0;; ++round) {
     candidate_.velocities = start.state.velocities;
     pins_.prescribe(start.state, start.dt, freedom_, candidate_.velocities);
     if (solids_) solids_->prescribe(freedom_, candidate_.velocities);
     const SolveReport predicted =
-        predictor_.predict(start, freedom_, candidate_.velocities, candidate_.reaction);
+        predictor_.predict(start, freedom_, candidate_.velocities, candidate_.reported.reaction);
     attempt.record.velocity_iterations += predicted.iterations;
     if (!predicted.failure.empty()) attempt.failure = "the velocity solver failed: " + predicted.failure;
     if (!solids_ || !attempt.failure.empty()) return;
-    if (round == most_releases || !solids_->let_go(candidate_.reaction)) break;
+    if (round == most_releases || !solids_->let_go(candidate_.reported.reaction)) break;
   }
   solids_->loosen(freedom_);
 }
@@ -239,7 +234,7 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
   const PhaseScope phase(Phase::projection);
   for (std::size_t k = 0; k < filters_.size() && attempt.failure.empty(); ++k) {
     const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom_, candidate_);
-    attempt.laboured = attempt.laboured || filtered.laboured;
+    attempt.too_costly = attempt.too_costly || filtered.too_costly;
     attempt.record.iterations += filtered.iterations;
     attempt.record.linear_iterations += filtered.linear_iterations;
     attempt.record.contacts = std::max(attempt.record.contacts, filtered.contacts);
@@ -260,9 +255,10 @@ void Simulation::add_pull_of_filters() {
     if (freedom_.is_free(i)) continue;
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : cloth_.mesh.star_of(i))
-      pull += (candidate_.force_density[end.edge] - carried(state_.force_density[end.edge])) *
+      pull += (candidate_.multipliers.force_density[end.edge] -
+               carried(state_.multipliers.force_density[end.edge])) *
               (candidate_.positions[end.other] - candidate_.positions[i]);
-    candidate_.reaction[i] -= freedom_.denied(i, pull);
+    candidate_.reported.reaction[i] -= freedom_.denied(i, pull);
   }
 }
 
@@ -296,23 +292,18 @@ std::string Simulation::place_of_fault(const StepRecord& record) const {
 }
 
 void Simulation::accept(double time, double dt) {
-  integrator_.remember(state_, dt);
+  integrator_.store_history(state_, dt);
   std::swap(state_.positions, candidate_.positions);
   std::swap(state_.velocities,
             candidate_.end_velocities.empty() ? candidate_.velocities : candidate_.end_velocities);
-  std::swap(state_.contact_force, candidate_.contact_force);
-  std::swap(state_.force_density, candidate_.force_density);
-  std::swap(state_.stress, candidate_.stress);
-  std::swap(state_.pulled, candidate_.pulled);
-  std::swap(state_.contacts, candidate_.contacts);
-  std::swap(state_.reaction, candidate_.reaction);
-  std::swap(state_.pressing, candidate_.pressing);
+  std::swap(state_.multipliers, candidate_.multipliers);
+  std::swap(state_.reported, candidate_.reported);
   state_.time = time;
   ++state_.step;
 }
 
 void Simulation::measure(StepRecord& record) const {
-  const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reaction);
+  const std::vector<Vec3> pins = pins_.totals(cloth_, state_.reported.reaction);
   const std::vector<std::string> energies = energy_names(forces_);
   std::vector<double> sums(2 + energies.size(), 0.0);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)

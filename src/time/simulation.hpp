@@ -33,14 +33,14 @@ public:
   Outcome run(std::span<Observer* const> observers, const std::function<bool()>& stop = never);
 
   /// Takes the place of another simulation of this case, between two of its steps. `state`: ghosts current.
-  void go_on_from(State state, const StepSize::Memory& steps, Global rejected_steps);
+  void restore(State state, const StepSize::Memory& steps, Global rejected_steps);
 
   /// Begins elsewhere than the case says; no step has been taken. `state`: ghosts current. Collective.
-  void start_from(State state);
+  void set_start(State state);
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Collective.
-  void rehearse();
+  void trial_step();
 
   const Cloth& cloth() const { return cloth_; }
   const Obstacles& obstacles() const { return obstacles_; }
@@ -59,8 +59,8 @@ public:
 private:
   struct Attempt {
     StepRecord record;
-    std::string failure;   ///< empty if the step can be accepted
-    bool laboured = false; ///< as of FilterReport
+    std::string failure;     ///< empty if the step can be accepted
+    bool too_costly = false; ///< as of FilterReport
   };
   static bool never() { return false; }
   Attempt attempt(double dt);

@@ -48,7 +48,7 @@ void StepSize::rejected(double dt) {
 }
 
 /// What is dear for other reasons than its length must not end in steps of no length.
-void StepSize::laboured(double dt) {
+void StepSize::too_costly(double dt) {
   constexpr double shortest = 1.0 / 16; // of the longest, about
   if (dt > 1.5 * shortest * time_.max_step) rejected(dt);
 }

@@ -4,10 +4,10 @@
 namespace taut {
 
 /// Chooses time steps: no larger than `time.max_step`, equal within a frame, ending exactly on frames; halved
-/// after a rejected step or one that laboured, doubled again after a few accepted ones [BW98 section 6: after
-/// a doubling that failed, wait longer before the next]. The last frame is at the end of the run: a step that
-/// is tiny beside the others would shake the cloth, because it corrects in no time what strain the one before
-/// left.
+/// after a rejected step or one that too_costly, doubled again after a few accepted ones [BW98 section 6:
+/// after a doubling that failed, wait longer before the next]. The last frame is at the end of the run: a
+/// step that is tiny beside the others would shake the cloth, because it corrects in no time what strain the
+/// one before left.
 class StepSize {
 public:
   explicit StepSize(const config::Time& time) : time_(time), memory_{.step = time.max_step} {}
@@ -25,7 +25,7 @@ public:
 
   void accepted();
   void rejected(double dt);
-  void laboured(double dt); ///< after `accepted`: half the length would be cheaper
+  void too_costly(double dt); ///< after `accepted`: half the length would be cheaper
   bool exhausted() const { return memory_.step < time_.min_step; }
 
   /// What it has learnt from the steps so far.

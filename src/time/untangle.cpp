@@ -1,7 +1,7 @@
 #include "src/time/untangle.hpp"
 
 #include "src/contact/intersections.hpp"
-#include "src/contact/way_out.hpp"
+#include "src/contact/untangler.hpp"
 #include "src/filters/edge_constraints.hpp"
 #include "src/filters/project.hpp"
 
@@ -59,7 +59,7 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   std::vector<Vec3> bodies;
   obstacles.place(result.state.time, bodies);
   const Thickness thickness(cloth, input);
-  WayOut way_out(cloth, obstacles, thickness);
+  Untangler way_out(cloth, obstacles, thickness);
   Intersections test(cloth, obstacles);
   const Freedom freedom = freedom_at_start(simulation, input.time.max_step);
   EdgeKeeper edges(simulation, input, freedom);

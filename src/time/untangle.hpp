@@ -16,7 +16,7 @@ struct Untangled {
 };
 
 /// Moves the cloth of the start out of shallow intersections with itself and with obstacles, before the first
-/// step: in rounds of a small way out (WayOut) and a projection that keeps the edges, until the exact test
+/// step: in rounds of a small way out (Untangler) and a projection that keeps the edges, until the exact test
 /// finds no intersection and the strain is within the limit, or the rounds are used up. Velocities stay.
 /// Collective.
 Untangled untangle(const Simulation& simulation, const Case& input);

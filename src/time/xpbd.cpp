@@ -13,7 +13,7 @@ void Xpbd::advance(const State& start, double dt, Freedom& freedom, Candidate& c
   const double h = dt / substeps_;
   now_ = start;
   pin_impulse_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  std::fill(now_.force_density.begin(), now_.force_density.end(), 0.0);
+  std::fill(now_.multipliers.force_density.begin(), now_.multipliers.force_density.end(), 0.0);
   for (int k = 0; k < substeps_; ++k) {
     now_.time = start.time + k * h;
     substep(h, freedom);
@@ -22,17 +22,17 @@ void Xpbd::advance(const State& start, double dt, Freedom& freedom, Candidate& c
   for (std::size_t i = 0; i < x_.size(); ++i)
     candidate.velocities[i] = (now_.positions[i] - start.positions[i]) / dt;
   candidate.end_velocities = now_.velocities;
-  candidate.reaction = pin_impulse_;
-  for (Vec3& r : candidate.reaction) r /= dt;
+  candidate.reported.reaction = pin_impulse_;
+  for (Vec3& r : candidate.reported.reaction) r /= dt;
   for (Local e = 0; e < cloth_.mesh.edges.owned; ++e) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
-    candidate.force_density[e] =
-        now_.force_density[e] / (substeps_ * (now_.positions[b] - now_.positions[a]).norm());
+    candidate.multipliers.force_density[e] =
+        now_.multipliers.force_density[e] / (substeps_ * (now_.positions[b] - now_.positions[a]).norm());
   }
-  cloth_.mesh.edge_halo.update(candidate.force_density);
+  cloth_.mesh.edge_halo.update(candidate.multipliers.force_density);
 }
 
-/// `now_.force_density` gathers the tensions.
+/// `now_.multipliers.force_density` gathers the tensions.
 void Xpbd::substep(double h, Freedom& freedom) {
   start_velocities_ = now_.velocities;
   pins_.prescribe(now_, h, freedom, now_.velocities);
@@ -45,7 +45,7 @@ void Xpbd::substep(double h, Freedom& freedom) {
   for (std::size_t i = 0; i < x_.size(); ++i) now_.velocities[i] = (x_[i] - now_.positions[i]) / h;
   std::swap(now_.positions, x_);
   note_reaction(h, freedom);
-  for (std::size_t e = 0; e < s_.size(); ++e) now_.force_density[e] += s_[e] / (h * h);
+  for (std::size_t e = 0; e < s_.size(); ++e) now_.multipliers.force_density[e] += s_[e] / (h * h);
 }
 
 /// v <- v + h f/m of the owned vertices, as far as they are free; h f into `impulse_`.

@@ -17,10 +17,10 @@ namespace taut {
 /// Elsewhere stiffness couples vertices further than a factor without fill can tell, and the corrections of
 /// coarser and coarser SplineGrids are added to it [Bramble, Pasciak, Xu 1990]: then the iterations hardly
 /// depend on how fine the mesh and how stiff the cloth is, nor on how many ranks there are.
-class AxisPreconditioner {
+class ScalarPreconditioner {
 public:
   /// Both must outlive the preconditioner. Not collective.
-  AxisPreconditioner(const DistributedMesh& mesh, const Pattern& pattern);
+  ScalarPreconditioner(const DistributedMesh& mesh, const Pattern& pattern);
 
   /// Held vertices get the identity; those that may move in some directions count as free. Depends on
   /// nothing but its arguments. Collective.

@@ -1,4 +1,4 @@
-#include "src/linear/spline_cells.hpp"
+#include "src/linear/spline_basis.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ Global key_of(Global i, Global j, Global k) {
 
 } // namespace
 
-SplineCells::SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spacing)
+SplineBasis::SplineBasis(MPI_Comm comm, std::span<const Vec3> points, double spacing)
     : spacing_(spacing), places_(points.size()) {
   std::array<double, 6> box; // -min, max
   box.fill(-HUGE_VAL);
@@ -46,7 +46,7 @@ SplineCells::SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spa
   }
 }
 
-std::vector<Global> SplineCells::node_keys(Local cell) const {
+std::vector<Global> SplineBasis::node_keys(Local cell) const {
   const auto& [i, j, k] = first_[cell];
   std::vector<Global> keys;
   for (int a = 0; a < count(0); ++a)
@@ -55,7 +55,7 @@ std::vector<Global> SplineCells::node_keys(Local cell) const {
   return keys;
 }
 
-Vec3 SplineCells::node_point(Global key) const {
+Vec3 SplineBasis::node_point(Global key) const {
   Vec3 point = origin_;
   for (int d = 0; d < dimension_; ++d)
     point[axes_[d]] += (double(key >> ((2 - d) * bits) & mask) - 0.5) * spacing_;

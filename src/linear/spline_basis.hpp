@@ -13,10 +13,10 @@ namespace taut {
 ///
 /// Axes along which there is but one spline come last in all that follows. Node (i, j, k) is the centre of
 /// the spline that begins at the corner of cell (i, j, k) - 2; its key packs these numbers.
-class SplineCells {
+class SplineBasis {
 public:
   /// Cells of this `spacing`, in m, around local points. Collective.
-  SplineCells(MPI_Comm comm, std::span<const Vec3> points, double spacing);
+  SplineBasis(MPI_Comm comm, std::span<const Vec3> points, double spacing);
 
   Local size() const { return Local(first_.size()); } ///< number of cells that hold points
   int dimension() const { return dimension_; }        ///< number of axes with three splines a cell

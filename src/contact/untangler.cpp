@@ -1,4 +1,4 @@
-#include "src/contact/way_out.hpp"
+#include "src/contact/untangler.hpp"
 
 #include <Eigen/Geometry>
 
@@ -25,14 +25,14 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 } // namespace
 
-WayOut::WayOut(const Cloth& cloth, const Obstacles& obstacles, const Thickness& thickness)
+Untangler::Untangler(const Cloth& cloth, const Obstacles& obstacles, const Thickness& thickness)
     : cloth_(cloth), obstacles_(obstacles), thickness_(thickness), elements_(cloth, obstacles),
       search_(cloth, obstacles), has_faces_(obstacles.bodies(), 0) {
   for (const Element& e : obstacles.elements())
     if (e.is_triangle()) has_faces_[e.body] = 1;
 }
 
-std::vector<Vec3> WayOut::find(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
+std::vector<Vec3> Untangler::find(std::span<const Vec3> cloth, std::span<const Vec3> obstacles) {
   pushes_.clear();
   owners_.clear();
   pierced_.clear();
@@ -46,7 +46,7 @@ std::vector<Vec3> WayOut::find(std::span<const Vec3> cloth, std::span<const Vec3
   return moves;
 }
 
-std::optional<WayOut::Piercing> WayOut::pierce(Local from, Local to, const Element& face) const {
+std::optional<Untangler::Piercing> Untangler::pierce(Local from, Local to, const Element& face) const {
   const auto x = elements_.positions();
   const auto& f = face.vertices;
   const Vec3 edge = x[to] - x[from], across = (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
@@ -65,7 +65,7 @@ std::optional<WayOut::Piercing> WayOut::pierce(Local from, Local to, const Eleme
 
 /// Two triangles cross along a segment between two places where an edge of one pierces the other, or between
 /// one and the vertex that they share.
-void WayOut::shorten(const Element& a, const Element& b) {
+void Untangler::shorten(const Element& a, const Element& b) {
   if (!a.is_triangle() || !b.is_triangle()) return;
   const auto vertices = elements_.vertices();
   std::vector<Piercing> places;
@@ -92,7 +92,7 @@ void WayOut::shorten(const Element& a, const Element& b) {
   }
 }
 
-void WayOut::push(const Piercing& at, const Vec3& towards) {
+void Untangler::push(const Piercing& at, const Vec3& towards) {
   const Vec3 segment = towards - at.place;
   if (segment.norm() == 0) return;
   const Vec3 along = segment.normalized();
@@ -108,7 +108,7 @@ void WayOut::push(const Piercing& at, const Vec3& towards) {
 }
 
 /// Where a triangle crosses a closed mesh, and where its edges do.
-void WayOut::note(const Element& cloth, int body, std::span<const Piercing> places) {
+void Untangler::note(const Element& cloth, int body, std::span<const Piercing> places) {
   Crossing& crossing = crossed_[{body, cloth.vertices}];
   for (const Piercing& p : places) {
     const auto [from, to] = std::minmax(p.vertices[0], p.vertices[1]);
@@ -124,7 +124,7 @@ void WayOut::note(const Element& cloth, int body, std::span<const Piercing> plac
 
 /// The vertices of triangles that cross a closed mesh, the middle of where each crosses it, and the middle
 /// between two places where an edge does.
-std::vector<WayOut::Place> WayOut::places_within() const {
+std::vector<Untangler::Place> Untangler::places_within() const {
   std::vector<Place> places;
   for (const auto& [triangle, crossing] : crossed_) {
     const auto& [body, v] = triangle;
@@ -144,7 +144,7 @@ std::vector<WayOut::Place> WayOut::places_within() const {
 }
 
 /// By the winding number, the sum of the solid angles of all triangles [Van Oosterom and Strackee 1983].
-bool WayOut::is_inside(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
+bool Untangler::is_inside(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
   double angle = 0;
   for (const Element& e : obstacles_.elements()) {
     if (e.body != body) continue;
@@ -156,7 +156,7 @@ bool WayOut::is_inside(const Vec3& x, int body, std::span<const Vec3> obstacles)
   return std::abs(angle) > 2 * std::numbers::pi; // half of all around
 }
 
-Vec3 WayOut::to_surface(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
+Vec3 Untangler::to_surface(const Vec3& x, int body, std::span<const Vec3> obstacles) const {
   Vec3 way = Vec3::Constant(HUGE_VAL);
   for (const Element& e : obstacles_.elements()) {
     if (e.body != body) continue;
@@ -168,7 +168,7 @@ Vec3 WayOut::to_surface(const Vec3& x, int body, std::span<const Vec3> obstacles
 }
 
 /// Whether anything is inside a closed mesh. Collective.
-bool WayOut::leave_solids(std::span<const Vec3> obstacles, std::vector<Vec3>& moves) {
+bool Untangler::leave_solids(std::span<const Vec3> obstacles, std::vector<Vec3>& moves) {
   const auto x = elements_.positions();
   const double beyond = clearance * thickness_.largest();
   std::vector<Push> ways;
@@ -197,7 +197,7 @@ bool WayOut::leave_solids(std::span<const Vec3> obstacles, std::vector<Vec3>& mo
 }
 
 /// The mean of the pushes on each owned vertex, as a move of limited length.
-std::vector<Vec3> WayOut::moves_along_curves() {
+std::vector<Vec3> Untangler::moves_along_curves() {
   std::vector<Vec3> moves(search_.own(), Vec3::Zero());
   std::vector<double> weights(search_.own(), 0.0);
   for (const Push& p : exchange(cloth_.mesh.comm, pushes_, owners_).items) {
@@ -213,8 +213,8 @@ std::vector<Vec3> WayOut::moves_along_curves() {
 }
 
 /// Where a surface crosses that of a body, nothing tells its sides apart: first the curves have to go.
-void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, bool crosses,
-                          std::vector<Vec3>& moves) {
+void Untangler::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, bool crosses,
+                             std::vector<Vec3>& moves) {
   search_.find({cloth, cloth, obstacles, obstacles}, 0.0);
   std::vector<Vec3> field;
   search_.gather(cloth, obstacles, field);
@@ -223,7 +223,7 @@ void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obs
     if (pair.body < 0 || (crosses && has_faces_[pair.body])) continue;
     const Approach here = approach(pair, at(pair, field));
     if (here.gap >= 0) continue;
-    const double missing = clearance * thickness_.of(pair, search_.keys()) - here.gap;
+    const double violation = clearance * thickness_.of(pair, search_.keys()) - here.gap;
     double size = 0;
     const auto is_body = [&](int i) {
       return pair.vertices[i] >= search_.own() && pair.vertices[i] < search_.home();
@@ -232,7 +232,7 @@ void WayOut::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> obs
       if (!is_body(i)) size += here.weights[i] * here.weights[i];
     for (int i = 0; i < 4; ++i) {
       if (is_body(i) || here.weights[i] == 0) continue;
-      sums[pair.vertices[i]] += here.weights[i] * missing / size * here.normal;
+      sums[pair.vertices[i]] += here.weights[i] * violation / size * here.normal;
       counts[pair.vertices[i]][0] += 1;
     }
   }

@@ -1,4 +1,4 @@
-#include "src/linear/axis_preconditioner.hpp"
+#include "src/linear/scalar_preconditioner.hpp"
 
 namespace taut {
 
@@ -16,11 +16,11 @@ double mean_edge(const DistributedMesh& mesh) {
 
 } // namespace
 
-AxisPreconditioner::AxisPreconditioner(const DistributedMesh& mesh, const Pattern& pattern)
+ScalarPreconditioner::ScalarPreconditioner(const DistributedMesh& mesh, const Pattern& pattern)
     : mesh_(mesh), pattern_(pattern), values_(pattern.entries()), held_(mesh.vertices.size()),
       fine_(pattern.sparse_rows()) {}
 
-void AxisPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freedom) {
+void ScalarPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freedom) {
   collect(matrix);
   leave_out(freedom);
   uses_grids_ = needs_grids();
@@ -42,7 +42,7 @@ void AxisPreconditioner::factor(const VertexMatrix& matrix, const Freedom& freed
 /// Whether the diagonal outweighs inertia, which is what sums of rows are, so much that a solve with grids
 /// takes no longer than without. Factors within ranks know nothing of what couples these, so on several that
 /// is so earlier.
-bool AxisPreconditioner::needs_grids() const {
+bool ScalarPreconditioner::needs_grids() const {
   const double much = size_of(mesh_.comm) == 1 ? 150 : 50;
   std::array<double, 2> sums{0, 0}; // of the diagonal, of all entries
   auto value = values_.begin();
@@ -57,7 +57,7 @@ bool AxisPreconditioner::needs_grids() const {
   return sums[0] > much * sums[1];
 }
 
-void AxisPreconditioner::make_grids() {
+void ScalarPreconditioner::make_grids() {
   constexpr double ratio = 4;        // of the spacings of two grids
   constexpr Global few_points = 500; // need no grid of their own
   double spacing = mean_edge(mesh_);
@@ -75,7 +75,7 @@ void AxisPreconditioner::make_grids() {
   }
 }
 
-void AxisPreconditioner::collect(const VertexMatrix& matrix) {
+void ScalarPreconditioner::collect(const VertexMatrix& matrix) {
   std::copy(matrix.values().begin(), matrix.values().end(), values_.begin());
   matrix.for_each_rank_one([&](const auto& r) {
     for (std::size_t a = 0; a < r.vertices.size(); ++a) {
@@ -90,7 +90,7 @@ void AxisPreconditioner::collect(const VertexMatrix& matrix) {
     values_[pattern_.diagonal(row)] += matrix.far_diagonal_blocks()[row].trace() / 3.0;
 }
 
-void AxisPreconditioner::leave_out(const Freedom& freedom) {
+void ScalarPreconditioner::leave_out(const Freedom& freedom) {
   for (std::size_t i = 0; i < held_.size(); ++i) held_[i] = freedom.is_held(Local(i));
   auto value = values_.begin();
   for (Local row = 0; row < pattern_.rows(); ++row)
@@ -100,13 +100,14 @@ void AxisPreconditioner::leave_out(const Freedom& freedom) {
     }
 }
 
-void AxisPreconditioner::solve(std::span<const Vec3> b, std::span<Vec3> x) const {
+void ScalarPreconditioner::solve(std::span<const Vec3> b, std::span<Vec3> x) const {
   fine_.solve(b, x);
   if (uses_grids_) add_correction(0, b, x);
 }
 
 /// Of the grids from `level` on.
-void AxisPreconditioner::add_correction(std::size_t level, std::span<const Vec3> b, std::span<Vec3> x) const {
+void ScalarPreconditioner::add_correction(std::size_t level, std::span<const Vec3> b,
+                                          std::span<Vec3> x) const {
   if (level == grids_.size()) return;
   const Coarse& coarse = *grids_[level];
   coarse.grid.gather(b, coarse.b);
@@ -115,7 +116,7 @@ void AxisPreconditioner::add_correction(std::size_t level, std::span<const Vec3>
   coarse.grid.add_spread(coarse.x, x);
 }
 
-std::vector<Global> AxisPreconditioner::grid_sizes() const {
+std::vector<Global> ScalarPreconditioner::grid_sizes() const {
   std::vector<Global> sizes;
   if (uses_grids_)
     for (const auto& level : grids_) sizes.push_back(level->grid.total());

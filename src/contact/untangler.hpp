@@ -20,10 +20,10 @@ namespace taut {
 /// Out of a closed mesh, whose walls may be steep, what of the cloth's vertices and edges is inside goes to
 /// the nearest place of its surface; out of spheres, capsules and half-spaces, and of the thickness around
 /// meshes, along the normal.
-class WayOut {
+class Untangler {
 public:
   /// All must outlive it. Collective.
-  WayOut(const Cloth& cloth, const Obstacles& obstacles, const Thickness& thickness);
+  Untangler(const Cloth& cloth, const Obstacles& obstacles, const Thickness& thickness);
 
   /// A move of each owned vertex, m, from the positions given (cloth: local vertices, ghosts current): at
   /// most half the thickness where surfaces cross. Collective.

@@ -18,7 +18,7 @@ struct Dihedral {
 Dihedral dihedral(const std::array<Vec3, 4>& x);
 
 /// One fold of the mesh. Cotangents, areas and angle are those of the rest shape.
-struct Fold {
+struct HingeStencil {
   std::array<Local, 6> vertices; ///< edge, left, right; unused places repeat the one before
   std::array<double, 6> weight;  ///< of each vertex in its corner: 1, or 1/2 and 1/2, or 1 and 0
   std::array<Vec3, 4> rest;      ///< x0 .. x3 at rest
@@ -33,8 +33,8 @@ struct Fold {
 /// for an edge that runs by (du, dv) in the cloth: an edge along weft folds the warp threads [BW98
 /// section 4.4, for meshes whose edges follow the threads]. The energy sum 1/2 B |e|^2 / A theta^2 of a mesh
 /// bent to a cylinder along its edges is B / 2 kappa^2 times its area.
-std::vector<Fold> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
-                           const PerPiece<double>& stiffness_weft);
+std::vector<HingeStencil> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
+                                   const PerPiece<double>& stiffness_weft);
 
 /// The row K of the isometric bending form [Bergou et al. 2006, section 3; Wardetzky et al. 2007]: |K x|^2 /
 /// A = |e|^2 / A theta^2 for small angles at rest lengths, K x = sum K_i x_i.
@@ -42,7 +42,7 @@ std::array<double, 4> isometric_row(const std::array<Vec3, 4>& rest);
 
 /// What adds a row over the four corners of a fold to its vertices.
 template<class T>
-std::array<T, 6> spread(const Fold& f, const std::array<T, 4>& corner) {
+std::array<T, 6> spread(const HingeStencil& f, const std::array<T, 4>& corner) {
   constexpr std::array<int, 6> corner_of{0, 1, 2, 2, 3, 3};
   std::array<T, 6> all;
   for (int k = 0; k < 6; ++k) all[k] = f.weight[k] * corner[corner_of[k]];

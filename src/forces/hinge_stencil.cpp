@@ -1,4 +1,4 @@
-#include "src/forces/fold.hpp"
+#include "src/forces/hinge_stencil.hpp"
 
 #include "src/state/material_coordinates.hpp"
 
@@ -43,20 +43,20 @@ Dihedral dihedral(const std::array<Vec3, 4>& x) {
   return d;
 }
 
-std::array<Vec3, 4> Fold::corners(std::span<const Vec3> x) const {
+std::array<Vec3, 4> HingeStencil::corners(std::span<const Vec3> x) const {
   const auto& v = vertices;
   return {x[v[0]], x[v[1]], weight[2] * x[v[2]] + weight[3] * x[v[3]],
           weight[4] * x[v[4]] + weight[5] * x[v[5]]};
 }
 
-std::vector<Fold> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
-                           const PerPiece<double>& stiffness_weft) {
-  std::vector<Fold> folds;
+std::vector<HingeStencil> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
+                                   const PerPiece<double>& stiffness_weft) {
+  std::vector<HingeStencil> folds;
   for (const Hinge& h : cloth.mesh.hinges) {
     const std::size_t piece = cloth.piece_of(h.edge[0]);
     const auto &warp = stiffness_warp.of(piece), &weft = stiffness_weft.of(piece);
     if (!warp || !weft) continue;
-    Fold f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
+    HingeStencil f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
     if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
     if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
     f.rest = f.corners(cloth.mesh.rest_positions);

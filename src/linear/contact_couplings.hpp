@@ -6,7 +6,7 @@ namespace taut {
 /// Terms sum_k g_k g_k^T of a velocity matrix between vertices that need not be neighbours in the mesh, as
 /// contact couples them. Each term is held by one rank; its vertices are places in a field over
 /// [own vertices | ... | ghosts], of which a plan fetches and returns the ghosts.
-class FarTerms {
+class ContactCouplings {
 public:
   struct Term {
     std::array<Local, 4> places;
@@ -15,7 +15,7 @@ public:
 
   /// `plan` must outlive the terms; `own` is the number of own vertices, `size` that of the places.
   /// Collective over neighbours.
-  FarTerms(const Plan& plan, Local own, Local size, std::vector<Term> terms);
+  ContactCouplings(const Plan& plan, Local own, Local size, std::vector<Term> terms);
 
   /// y += sum_k g_k g_k^T x over own vertices. Collective over neighbours.
   void add_product(std::span<const Vec3> x, std::span<Vec3> y) const;

@@ -1,8 +1,8 @@
-#include "src/linear/far_terms.hpp"
+#include "src/linear/contact_couplings.hpp"
 
 namespace taut {
 
-FarTerms::FarTerms(const Plan& plan, Local own, Local size, std::vector<Term> terms)
+ContactCouplings::ContactCouplings(const Plan& plan, Local own, Local size, std::vector<Term> terms)
     : plan_(&plan), own_(own), terms_(std::move(terms)), diagonal_(size, Mat3::Zero()),
       from_(size, Vec3::Zero()), to_(size, Vec3::Zero()) {
   for (const Term& t : terms_)
@@ -11,7 +11,7 @@ FarTerms::FarTerms(const Plan& plan, Local own, Local size, std::vector<Term> te
   diagonal_.resize(own_);
 }
 
-void FarTerms::add_product(std::span<const Vec3> x, std::span<Vec3> y) const {
+void ContactCouplings::add_product(std::span<const Vec3> x, std::span<Vec3> y) const {
   std::copy_n(x.begin(), own_, from_.begin());
   plan_->forward<Vec3>(from_, from_);
   std::fill(to_.begin(), to_.end(), Vec3::Zero());
