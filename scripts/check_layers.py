@@ -15,9 +15,10 @@ layers = {
     "src/linear": ["partition", "io", "src/config", "src/state"],
     "src/forces": ["partition", "io", "src/config", "src/state", "src/linear"],
     "src/contact": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces"],
-    "src/filters": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact"],
-    "src/time": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters"],
-    "src/command": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters", "src/time"],
+    "src/constraints": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact"],
+    "src/filters": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/constraints"],
+    "src/time": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/constraints", "src/filters"],
+    "src/command": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/constraints", "src/filters", "src/time"],
 }
 # Headers of a library belong to one layer.
 reserved = {"petsc": "src/linear", "metis": "partition", "ptscotch": "partition", "hdf5": "io", "yaml-cpp": "src/config", "embree": "src/contact", "CGAL": "src/contact"}

@@ -1,5 +1,5 @@
 #include "src/filters/fast_projection.hpp"
-#include "src/state/strain_gauge.hpp"
+#include "src/constraints/strain_gauge.hpp"
 #include "tests/petsc_options.hpp"
 #include "tests/support.hpp"
 
@@ -52,7 +52,7 @@ struct Throw {
   }
 
   FilterReport project(const config::Inextensibility& how) {
-    return FastProjection<EdgeSet>(cloth, how, 0.0).apply(start, dt, prescribed, candidate);
+    return FastProjection<EdgeSet>(cloth, how).apply(start, dt, Freedom(prescribed), candidate);
   }
 
   /// Over all ranks.

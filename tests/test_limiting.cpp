@@ -141,7 +141,7 @@ TEST(EdgeSweeps, StretchAnEdgeByItsCompliance) {
   EdgeSweeps sweeps(cloth);
   constexpr double h = 0.01, c = 2e-3, l = 0.1;
   const std::vector<char> prescribed{1, 0};
-  sweeps.start(h, c, prescribed);
+  sweeps.start(h, c, Freedom(prescribed));
   std::vector<Vec3> x{{0, 0, 0}, {0, 0.13, 0}};
   std::vector<double> s{0};
   for (int n = 0; n < 3; ++n) { // the first one brings it there, the others leave it

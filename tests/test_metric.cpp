@@ -1,6 +1,6 @@
 // The metric averaged at vertices, and Fast Projection onto it.
 #include "src/filters/fast_projection.hpp"
-#include "src/state/strain_gauge.hpp"
+#include "src/constraints/strain_gauge.hpp"
 #include "tests/support.hpp"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ struct Throw {
   }
 
   FilterReport project(const config::Inextensibility& how) {
-    return FastProjection<MetricSet>(cloth, how, 0.0).apply(start, dt, held, candidate);
+    return FastProjection<MetricSet>(cloth, how).apply(start, dt, Freedom(held), candidate);
   }
   std::vector<Vec3> end() const {
     std::vector<Vec3> x = start.positions;
@@ -168,7 +168,7 @@ TEST(MetricSet, KeepsMomentum) {
 TEST(MetricSet, PullAlongTheDerivativesOfTheConstraints) {
   Throw t(serial(uneven_triangles));
   const auto before = t.candidate.velocities;
-  MetricSet rows(t.cloth, limits(0.01, mumps), 0.0);
+  MetricSet rows(t.cloth, limits(0.01, mumps));
   const std::vector<Vec3> x = t.end();
   rows.start(t.start, dt, Freedom(t.held), t.candidate);
   rows.evaluate(x);
@@ -187,7 +187,7 @@ TEST(MetricSet, PullAlongTheDerivativesOfTheConstraints) {
   for (Local i = 0; i < t.cloth.mesh.vertices.owned; ++i) {
     expected +=
         0.5 * t.cloth.measure[i] * t.candidate.multipliers.stress[i].dot(g1[i] - g0[i]) / (2 * epsilon);
-    work += t.cloth.mass[i] / (dt * dt) * rows.pulled(i).dot(direction[i]);
+    work += t.cloth.mass[i] / (dt * dt) * rows.displacement(i).dot(direction[i]);
   }
   EXPECT_GT(std::abs(expected), 1);
   EXPECT_NEAR(work / expected, 1, 1e-7);
@@ -208,7 +208,7 @@ TEST(MetricSet, SolveForWhatIsLeft) {
       t.hold_corners();
       const DistributedMesh& m = t.cloth.mesh;
       const config::Inextensibility how = limits(1e-3, solver);
-      MetricSet rows(t.cloth, how, 0.0);
+      MetricSet rows(t.cloth, how);
       const std::vector<Vec3> x = t.end();
       rows.start(t.start, dt, Freedom(t.held), t.candidate);
       rows.evaluate(x);
@@ -217,8 +217,8 @@ TEST(MetricSet, SolveForWhatIsLeft) {
       constexpr double part = 1e-6;
       std::vector<Vec3> ahead = x, behind = x;
       for (Local i = 0; i < m.vertices.owned; ++i) {
-        ahead[i] += part * rows.pulled(i);
-        behind[i] -= part * rows.pulled(i);
+        ahead[i] += part * rows.displacement(i);
+        behind[i] -= part * rows.displacement(i);
       }
       m.vertex_halo.update(ahead);
       m.vertex_halo.update(behind);

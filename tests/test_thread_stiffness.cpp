@@ -1,5 +1,5 @@
 // The metric of taut threads against dense algebra, and what it is there for.
-#include "src/filters/thread_stiffness.hpp"
+#include "src/constraints/thread_stiffness.hpp"
 #include "tests/simulate.hpp"
 #include "tests/support.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // A cloth that a step is about to tear out of shape, for tests of filters.
 #include "src/filters/make_filter.hpp"
-#include "src/state/strain_gauge.hpp"
+#include "src/constraints/strain_gauge.hpp"
 #include "tests/support.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ struct Thrown {
   Thrown(const Thrown&) = delete;
 
   FilterReport apply(const config::Inextensibility& how) {
-    return make_filter(cloth, pattern, how, 0.0)->apply(start, dt, prescribed, candidate);
+    return make_filter(cloth, pattern, how)->apply(start, dt, Freedom(prescribed), candidate);
   }
 
   /// End positions, in original order on every rank.

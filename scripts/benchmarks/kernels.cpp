@@ -3,7 +3,7 @@
 //
 // The cloth is the square of cases/two-pins while it falls, simulated on 41 x 41 vertices and refined to SIDE
 // x SIDE. Bytes are those a kernel cannot do without: what it reads and writes, once each.
-#include "src/filters/edge_rows.hpp"
+#include "src/constraints/edge_set.hpp"
 #include "src/linear/session.hpp"
 #include "src/linear/yarn_system.hpp"
 #include "src/time/simulation.hpp"
@@ -127,7 +127,7 @@ public:
   void operator()(benchmark::State& state) {
     const test::OptionsInForce in_force(settings_); // read where a solver is made
     const Cloth& cloth = simulation_.cloth();
-    EdgeSet rows(cloth, options_, simulation_.weight());
+    EdgeSet rows(cloth, options_);
     std::vector<Vec3> x = simulation_.state().positions;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += step_of(side_) * simulation_.state().velocities[i];
     Candidate candidate;
@@ -158,7 +158,7 @@ private:
 void measure_yarns(const Simulation& simulation) {
   const Cloth& cloth = simulation.cloth();
   auto constraints =
-      std::make_shared<EdgeConstraints>(cloth, simulation.inextensibility(), simulation.weight());
+      std::make_shared<EdgeConstraints>(cloth, simulation.inextensibility());
   constraints->start(0.005, Freedom(cloth.mesh.vertices.size()));
   constraints->evaluate(simulation.state().positions);
   auto system = std::make_shared<ProjectionSystem>(cloth.mesh, SolverOptions{});

@@ -7,7 +7,7 @@
 //
 // after the first and the last iteration. The exact method, icd, ends where F = 0; x0 is where the vertices
 // would be without any tension, so nothing is carried here from the step before.
-#include "src/filters/edge_constraints.hpp"
+#include "src/constraints/edge_constraints.hpp"
 #include "src/filters/fast_projection.hpp"
 #include "src/linear/session.hpp"
 #include "src/time/simulation.hpp"
@@ -28,16 +28,12 @@ public:
   Step(const Simulation& simulation, const Case& input)
       : simulation_(simulation), input_(input), pattern_(simulation.cloth().mesh),
         predictor_(simulation.cloth(), pattern_, simulation.forces(), input.velocity, input.time.integrator),
-        freedom_(simulation.cloth().mesh.vertices.size()) {
-    const Cloth& cloth = simulation.cloth();
-    for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) weight_ += cloth.mass[i] * input.gravity.norm();
-    weight_ = sum_over(cloth.mesh.comm, weight_);
-  }
+        freedom_(simulation.cloth().mesh.vertices.size()) {}
 
   void predict(double dt) {
     dt_ = dt;
     start_ = simulation_.state();
-    std::fill(start_.force_density.begin(), start_.force_density.end(), 0.0);
+    std::fill(start_.multipliers.force_density.begin(), start_.multipliers.force_density.end(), 0.0);
     candidate_.velocities = start_.velocities;
     candidate_.multipliers.force_density.assign(simulation_.cloth().mesh.edges.size(), 0.0);
     simulation_.pins().prescribe(start_, dt, freedom_, candidate_.velocities);
@@ -52,9 +48,9 @@ public:
 
   /// After at most `iterations` of the projection.
   Left project(int iterations) const {
-    config::Inextensibility options = input_.inextensibility;
+    config::Inextensibility options = simulation_.inextensibility();
     options.max_iterations = iterations;
-    FastProjection<EdgeSet> projection(simulation_.cloth(), options, weight_);
+    FastProjection<EdgeSet> projection(simulation_.cloth(), options);
     Candidate end = candidate_;
     const FilterReport report = projection.apply(start_, dt_, freedom_, end);
     return {residual(end), report.iterations, report.failure.empty()};
@@ -65,11 +61,11 @@ private:
     const Cloth& cloth = simulation_.cloth();
     std::vector<Vec3> x = start_.positions;
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += dt_ * end.velocities[i];
-    EdgeConstraints constraints(cloth, input_.inextensibility, weight_);
+    EdgeConstraints constraints(cloth, simulation_.inextensibility());
     constraints.start(dt_, freedom_);
     constraints.evaluate(x);
-    std::vector<double> mu(end.force_density.size());
-    constraints.to_mu(end.force_density, mu);
+    std::vector<double> mu(end.multipliers.force_density.size());
+    constraints.to_mu(end.multipliers.force_density, mu);
     double force = 0, weight = 0;
     for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
       if (freedom_.is_held(i)) continue;
@@ -89,7 +85,7 @@ private:
   State start_; ///< without the tension of the step before
   Candidate candidate_;
   Freedom freedom_;
-  double dt_ = 0, weight_ = 0;
+  double dt_ = 0;
 };
 
 class Watch : public Observer {

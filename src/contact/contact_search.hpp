@@ -42,10 +42,16 @@ public:
   void gather(std::span<const Vec3> cloth, std::span<const Vec3> obstacles, std::vector<Vec3>& field) const;
 
   /// Ghosts from their owners. Collective over neighbours.
-  void update(std::vector<Vec3>& field) const { plan_.forward<Vec3>(field, field); }
+  template<class T>
+  void update(std::vector<T>& field) const {
+    plan_.forward<T>(field, field);
+  }
 
   /// Adds what ghosts hold to their owners. Collective over neighbours.
-  void accumulate(std::vector<Vec3>& field) const { plan_.reverse_add<Vec3>(field, field); }
+  template<class T>
+  void accumulate(std::vector<T>& field) const {
+    plan_.reverse_add<T>(field, field);
+  }
 
   /// Between own vertices and ghosts; valid until the next search.
   const Plan& plan() const { return plan_; }

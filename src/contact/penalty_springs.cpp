@@ -29,25 +29,21 @@ struct PenaltySprings::Spring {
 };
 
 PenaltySprings::PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : obstacles_(obstacles), contact_(*input.contact), gravity_(input.gravity), thickness_(cloth, input),
-      search_(cloth, obstacles) {
+    : contact_(*input.contact), gravity_(input.gravity), thickness_(cloth, input), scene_(cloth, obstacles) {
   const config::Penalty given = contact_.penalty.value_or(config::Penalty{});
   stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_.largest()));
   damping_ = given.damping * stiffness_;
 }
 
 /// Pairs that may come near enough in free flight.
-void PenaltySprings::find_pairs(const State& state, double dt) const {
-  target_.resize(state.positions.size());
-  for (std::size_t i = 0; i < target_.size(); ++i)
-    target_[i] = state.positions[i] + dt * (state.velocities[i] + dt * gravity_);
-  spins_ = obstacles_.spins(state.time, state.time + dt);
-  obstacles_.place(state.time, bodies_from_);
-  obstacles_.place(state.time + dt, bodies_to_);
-  search_.find({state.positions, target_, bodies_from_, bodies_to_}, thickness_.largest());
-  search_.gather(state.positions, bodies_from_, start_field_);
-  search_.gather(target_, bodies_to_, displacement_);
-  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
+void PenaltySprings::find_pairs(const State& state, double dt) {
+  displacement_ = state.velocities;
+  for (Vec3& v : displacement_) v += dt * gravity_;
+  scene_.begin(state, dt, displacement_);
+  scene_.search.find(scene_.motion(), thickness_.largest());
+  scene_.gather_start();
+  scene_.gather(scene_.target, displacement_);
+  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= scene_.start_field()[i];
 }
 
 /// Whether SolidConstraints keeps the two apart: vertices of the cloth on an obstacle, and all of it on a
@@ -55,13 +51,13 @@ void PenaltySprings::find_pairs(const State& state, double dt) const {
 bool PenaltySprings::is_solid(const Pair& pair) const {
   if (pair.body < 0) return false;
   const Local v = pair.vertices[0];
-  const bool vertex_of_cloth = v < search_.own() || v >= search_.home();
-  return obstacles_.body(pair.body).is_round || (pair.kind != PairKind::edge_edge && vertex_of_cloth);
+  return scene_.obstacles().body(pair.body).is_round ||
+         (pair.kind != PairKind::edge_edge && scene_.is_cloth(v));
 }
 
 std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, double dt) const {
   if (is_solid(pair)) return {};
-  const Approach here = approach(pair, at(pair, start_field_));
+  const Approach here = approach(pair, at(pair, scene_.start_field()));
   const auto& w = here.weights;
   if (pair.kind == PairKind::edge_edge && (w[0] == 0 || w[1] == 0 || w[2] == 0 || w[3] == 0))
     return {}; // vertices against faces have it
@@ -70,22 +66,19 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
   for (int i = 0; i < 4; ++i) {
     const Vec3 part = w[i] * displacement_[pair.vertices[i]];
     moves += part;
-    const bool is_body = pair.vertices[i] >= search_.own() && pair.vertices[i] < search_.home();
-    if (!is_body) continue;
+    if (scene_.is_cloth(pair.vertices[i])) continue;
     body_moves += part;
     s.weights[i] = 0;
   }
   const Vec3& n = here.normal;
-  const double thickness = thickness_.of(pair, search_.keys());
+  const double thickness = thickness_.of(pair, scene_.search.keys());
   const double ahead = thickness - here.gap - n.dot(moves);
   if (ahead <= 0) return {};
   s.force = (stiffness_ * (thickness - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
   s.resists[0] = std::sqrt(dt * dt * stiffness_ + dt * damping_) * n;
-  const double friction = friction_of(pair, obstacles_, contact_);
-  if (pair.body >= 0) {
-    moves -= spins_[pair.body] * n;
-    body_moves -= spins_[pair.body] * n;
-  }
+  const double friction = friction_of(pair, scene_.obstacles(), contact_);
+  moves -= scene_.spin(pair.body, n);
+  body_moves -= scene_.spin(pair.body, n);
   const Vec3 slip = moves - n.dot(moves) * n, body_slip = body_moves - n.dot(body_moves) * n;
   const double pressed = stiffness_ * std::max(0.0, thickness - here.gap); // by the step before
   const double drag = friction * pressed / std::max(slip.norm() / dt, creep);
@@ -96,12 +89,12 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
   return s;
 }
 
-void PenaltySprings::add_to(StepSystem& system, const State& state) const {
+void PenaltySprings::add_to(StepSystem& system, const State& state) {
   const double dt = system.dt();
   find_pairs(state, dt);
   std::vector<ContactCouplings::Term> terms;
-  std::vector<Vec3> forces(search_.size(), Vec3::Zero());
-  for (const Pair& pair : search_.pairs()) {
+  std::vector<Vec3> forces(scene_.search.size(), Vec3::Zero());
+  for (const Pair& pair : scene_.search.pairs()) {
     const auto s = spring(pair, dt);
     if (!s) continue;
     for (int i = 0; i < 4; ++i) forces[s->places[i]] += s->weights[i] * s->force;
@@ -111,9 +104,10 @@ void PenaltySprings::add_to(StepSystem& system, const State& state) const {
       terms.push_back({s->places, {w[0] * r, w[1] * r, w[2] * r, w[3] * r}});
     }
   }
-  search_.accumulate(forces);
-  for (Local i = 0; i < search_.own(); ++i) system.add_force(i, forces[i]);
-  system.set_far(ContactCouplings(search_.plan(), search_.own(), search_.size(), std::move(terms)));
+  scene_.search.accumulate(forces);
+  for (Local i = 0; i < scene_.search.own(); ++i) system.add_force(i, forces[i]);
+  system.set_far(
+      ContactCouplings(scene_.search.plan(), scene_.search.own(), scene_.search.size(), std::move(terms)));
 }
 
 } // namespace taut

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/contact/contact_search.hpp"
+#include "src/contact/contact_scene.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/forces/force.hpp"
 
@@ -26,23 +26,20 @@ public:
 
   std::string_view name() const override { return "penalty"; }
   double energy(const State&) const override { return 0; }
-  void add_to(StepSystem& system, const State& state) const override; ///< Collective.
+  void add_to(StepSystem& system, const State& state) override; ///< Collective.
 
 private:
   struct Spring;
   std::optional<Spring> spring(const Pair& pair, double dt) const;
   bool is_solid(const Pair& pair) const;
-  void find_pairs(const State& state, double dt) const;
+  void find_pairs(const State& state, double dt);
 
-  const Obstacles& obstacles_;
   config::Contact contact_;
   Vec3 gravity_;
   Thickness thickness_;
   double stiffness_, damping_;
-  // room for the work of a step; no memory from one to the next
-  mutable ContactSearch search_;
-  mutable std::vector<Mat3> spins_;
-  mutable std::vector<Vec3> target_, bodies_from_, bodies_to_, start_field_, displacement_;
+  ContactScene scene_; ///< of the step in hand; no memory from one to the next
+  std::vector<Vec3> displacement_;
 };
 
 } // namespace taut

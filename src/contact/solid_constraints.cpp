@@ -15,17 +15,16 @@ constexpr double arrived =
 
 /// The vertices of the cloth that are near an obstacle if `pair` is, each with it: of what is near a round
 /// one, all; otherwise the one that meets a plane or a face.
-std::vector<Pair> vertices_near(const Pair& pair, bool is_round, const ContactSearch& search) {
-  const auto is_cloth = [&](Local place) { return place < search.own() || place >= search.home(); };
-  if (!is_round)
-    return pair.kind != PairKind::edge_edge && is_cloth(pair.vertices[0]) ? std::vector{pair}
-                                                                          : std::vector<Pair>{};
+std::vector<Pair> vertices_near(const Pair& pair, const ContactScene& scene) {
+  if (!scene.obstacles().body(pair.body).is_round)
+    return pair.kind != PairKind::edge_edge && scene.is_cloth(pair.vertices[0]) ? std::vector{pair}
+                                                                                : std::vector<Pair>{};
   std::vector<Local> axis; // one or two vertices of the obstacle
   for (const Local v : pair.vertices)
-    if (!is_cloth(v)) axis.push_back(v);
+    if (!scene.is_cloth(v)) axis.push_back(v);
   std::vector<Pair> found;
   for (const Local v : pair.vertices)
-    if (is_cloth(v))
+    if (scene.is_cloth(v))
       found.push_back({{v, axis.front(), axis.back(), axis.front()},
                        PairKind::vertex_edge,
                        pair.body,
@@ -37,50 +36,46 @@ std::vector<Pair> vertices_near(const Pair& pair, bool is_round, const ContactSe
 } // namespace
 
 SolidConstraints::SolidConstraints(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : cloth_(cloth), obstacles_(obstacles), contact_(*input.contact), thickness_(cloth, input),
-      search_(cloth, obstacles), rests_(cloth.mesh.vertices.size()), alteration_(cloth.mesh.vertices.size()) {
-}
+    : contact_(*input.contact), thickness_(cloth, input), scene_(cloth, obstacles),
+      rests_(cloth.mesh.vertices.size()), alteration_(cloth.mesh.vertices.size()) {}
 
 void SolidConstraints::find(const State& state, double dt, const Freedom& freedom) {
   const std::vector<Nearest> found = nearest(state, dt);
-  for (Local i = 0; i < search_.own(); ++i) {
+  for (Local i = 0; i < scene_.search.own(); ++i) {
     rests_[i] = {};
     alteration_[i] = Vec3::Zero();
     if (!freedom.is_free(i) || found[i].gap == HUGE_VAL) continue;
     rests_[i] = rest_on(found[i], state.multipliers.carried_contact_force[i],
-                        cloth_.mass[i] * (state.velocities[i] - found[i].surface), dt);
+                        scene_.cloth().mass[i] * (state.velocities[i] - found[i].surface), dt);
     if (rests_[i].hold != Hold::none) alteration_[i] = (found[i].thickness - found[i].gap) * found[i].normal;
   }
-  cloth_.mesh.vertex_halo.update(rests_);
-  cloth_.mesh.vertex_halo.update(alteration_);
+  scene_.cloth().mesh.vertex_halo.update(rests_);
+  scene_.cloth().mesh.vertex_halo.update(alteration_);
 }
 
 /// What each vertex is nearest to, of what comes within twice the thickness; a pair may have been found by
 /// another rank than the vertex's.
 std::vector<SolidConstraints::Nearest> SolidConstraints::nearest(const State& state, double dt) {
-  obstacles_.place(state.time, bodies_from_);
-  obstacles_.place(state.time + dt, bodies_to_);
-  const std::vector<Mat3> spins = obstacles_.spins(state.time, state.time + dt);
-  const auto& x = state.positions;
+  scene_.begin(state, dt);
   const double reach = 2.0 * thickness_.largest();
-  search_.find({x, x, bodies_from_, bodies_from_}, reach);
-  search_.gather(x, bodies_from_, start_field_);
-  search_.gather(x, bodies_to_, end_field_);
-  std::vector<Nearest> result(search_.size());
-  for (const Pair& met : search_.pairs()) {
+  scene_.search.find(ContactScene::between(scene_.start(), scene_.start()), reach);
+  scene_.gather_start();
+  scene_.gather_target();
+  const auto from = scene_.start_field(), to = scene_.target_field();
+  std::vector<Nearest> result(scene_.search.size());
+  for (const Pair& met : scene_.search.pairs()) {
     if (met.body < 0) continue;
-    for (const Pair& pair : vertices_near(met, obstacles_.body(met.body).is_round, search_)) {
-      const Approach here = approach(pair, at(pair, start_field_));
+    for (const Pair& pair : vertices_near(met, scene_)) {
+      const Approach here = approach(pair, at(pair, from));
       if (here.gap > reach) continue;
-      Vec3 moves = spins[pair.body] * here.normal; // of the surface below the vertex
-      for (int i = 1; i < 4; ++i)
-        moves -= here.weights[i] * (end_field_[pair.vertices[i]] - start_field_[pair.vertices[i]]);
+      Vec3 moves = scene_.spin(pair.body, here.normal); // of the surface below the vertex
+      for (int i = 1; i < 4; ++i) moves -= here.weights[i] * (to[pair.vertices[i]] - from[pair.vertices[i]]);
       Nearest& known = result[pair.vertices[0]];
-      known = std::min(known, Nearest{here.gap, thickness_.of(pair, search_.keys()), here.normal, moves / dt,
-                                      friction_of(pair, obstacles_, contact_)});
+      known = std::min(known, Nearest{here.gap, thickness_.of(pair, scene_.search.keys()), here.normal,
+                                      moves / dt, friction_of(pair, scene_.obstacles(), contact_)});
     }
   }
-  search_.plan().reverse_min<Nearest>(result, result);
+  scene_.search.plan().reverse_min<Nearest>(result, result);
   return result;
 }
 
@@ -118,13 +113,13 @@ void SolidConstraints::prescribe(Freedom& freedom, std::vector<Vec3>& velocities
 
 bool SolidConstraints::let_go(std::span<const Vec3> reaction) {
   bool any = false;
-  for (Local i = 0; i < search_.own(); ++i) {
+  for (Local i = 0; i < scene_.search.own(); ++i) {
     if (rests_[i].hold == Hold::none || rests_[i].normal.dot(reaction[i]) >= 0) continue;
     rests_[i] = {};
     any = true;
   }
-  any = any_of(cloth_.mesh.comm, any);
-  if (any) cloth_.mesh.vertex_halo.update(rests_);
+  any = any_of(scene_.cloth().mesh.comm, any);
+  if (any) scene_.cloth().mesh.vertex_halo.update(rests_);
   return any;
 }
 
@@ -134,19 +129,19 @@ void SolidConstraints::loosen(Freedom& freedom) const {
 }
 
 void SolidConstraints::add_friction(StepSystem& system) const {
-  for (Local i = 0; i < search_.own(); ++i)
+  for (Local i = 0; i < scene_.search.own(); ++i)
     if (rests_[i].hold == Hold::slips) system.add_force(i, rests_[i].friction);
 }
 
 void SolidConstraints::note_forces(Candidate& candidate) const {
-  for (Local i = 0; i < search_.own(); ++i) {
+  for (Local i = 0; i < scene_.search.own(); ++i) {
     const Rest& rest = rests_[i];
     if (rest.hold == Hold::none) continue;
     candidate.reported.contact_force[i] = candidate.reported.reaction[i] + rest.friction;
     candidate.reported.reaction[i] = Vec3::Zero();
     candidate.multipliers.carried_contact_force[i] = candidate.reported.contact_force[i];
   }
-  cloth_.mesh.vertex_halo.update(candidate.multipliers.carried_contact_force);
+  scene_.cloth().mesh.vertex_halo.update(candidate.multipliers.carried_contact_force);
 }
 
 } // namespace taut

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/contact/contact_search.hpp"
+#include "src/contact/contact_scene.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/forces/force.hpp"
 #include "src/state/freedom.hpp"
@@ -74,14 +74,11 @@ private:
   std::vector<Nearest> nearest(const State& state, double dt);
   Rest rest_on(const Nearest& nearest, const Vec3& force, const Vec3& momentum, double dt) const;
 
-  const Cloth& cloth_;
-  const Obstacles& obstacles_;
   config::Contact contact_;
   Thickness thickness_;
-  ContactSearch search_;
+  ContactScene scene_;
   std::vector<Rest> rests_;      ///< of local vertices
   std::vector<Vec3> alteration_; ///< of local vertices
-  std::vector<Vec3> bodies_from_, bodies_to_, start_field_, end_field_;
 };
 
 /// The friction of SolidConstraints, among the forces of the prediction.
@@ -92,7 +89,7 @@ public:
 
   std::string_view name() const override { return "solid_friction"; }
   double energy(const State&) const override { return 0; }
-  void add_to(StepSystem& system, const State&) const override { solids_.add_friction(system); }
+  void add_to(StepSystem& system, const State&) override { solids_.add_friction(system); }
 
 private:
   const SolidConstraints& solids_;

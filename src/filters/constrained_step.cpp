@@ -6,8 +6,8 @@
 
 namespace taut {
 
-ConstrainedStep::ConstrainedStep(const Cloth& cloth, const config::Inextensibility& options, double weight)
-    : constraints(cloth, options, weight), free(cloth.mesh.vertices.size()), x(cloth.mesh.vertices.size()),
+ConstrainedStep::ConstrainedStep(const Cloth& cloth, const config::Inextensibility& options)
+    : constraints(cloth, options), free(cloth.mesh.vertices.size()), x(cloth.mesh.vertices.size()),
       mu(cloth.mesh.edges.size()), options_(options) {}
 
 void ConstrainedStep::begin(const State& start, double dt, const Freedom& freedom,

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/filters/edge_constraints.hpp"
+#include "src/constraints/edge_constraints.hpp"
 #include "src/filters/velocity_filter.hpp"
 #include "src/linear/solver_options.hpp"
 
@@ -15,7 +15,7 @@ namespace taut {
 class ConstrainedStep {
 public:
   /// `cloth` must outlive the step.
-  ConstrainedStep(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  ConstrainedStep(const Cloth& cloth, const config::Inextensibility& options);
 
   /// x, mu and x0 from the candidate. `start` must outlive the step. Collective.
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);

@@ -1,30 +1,37 @@
 #pragma once
+#include "src/constraints/constraint_set.hpp"
 #include "src/contact/rows.hpp"
-#include "src/filters/edge_equations.hpp"
 #include "src/linear/bounded_qp.hpp"
-#include "src/linear/yarn_system.hpp"
 
 namespace taut {
 
-/// Edges as equations and contacts as inequalities, in one quadratic program for their multipliers,
+/// Of the strain limit, by a program.
+constexpr double program_strain_left = 0.2;
+
+/// Where a program starts: at the multipliers that the last step took, or at none.
+enum class QpGuess { last_step, zero };
+
+/// The rows of a set of constraints as equations and those of contacts as inequalities, in one quadratic
+/// program for the increments z of their multipliers,
 ///
 ///     minimise 1/2 z' (R W R' + A) z - b'z,   R = [-J; N],  W the inverse masses,
 ///
-/// A the compliance: that of the edges, and a small part of the diagonal for contact rows, which may be
-/// redundant. Matrix-free; preconditioned by the yarns' tridiagonal blocks and the contacts' diagonal.
-/// (To take rows that hold a vertex fast out of the edges' blocks exactly costs more than it saves: it finds
-/// the stresses in which edges and contacts only strain against each other, and these run into the bounds.)
+/// A the compliance: that of the set, and a small part of the diagonal for contact rows, which may be
+/// redundant. Matrix-free; preconditioned as the set is and by the contacts' diagonal. (To take rows that
+/// hold a vertex fast out of the edges' blocks exactly costs more than it saves: it finds the stresses in
+/// which edges and contacts only strain against each other, and these run into the bounds.)
+template<ConstraintSet Set>
 class ContactQp {
 public:
-  /// Both must outlive it. Collective.
+  /// Both must outlive it. Not collective.
   ContactQp(const Cloth& cloth, const ContactSearch& search);
 
-  /// Multipliers' increments of [owned edges; rows]; rows of one contact stand together. Collective.
-  QpReport solve(const EdgeEquations& edges, std::span<const Contact> contacts,
-                 std::span<const ContactRow> rows, const QpEffort& effort);
+  /// Multipliers' increments of [rows of the set; rows]; rows of one contact stand together. Collective.
+  QpReport solve(Set& set, std::span<const Contact> contacts, std::span<const ContactRow> rows,
+                 const QpEffort& effort, QpGuess guess);
 
-  std::span<const double> edge_part() const { return {z_.data(), edges_}; }
-  std::span<const double> row_part() const { return {z_.data() + edges_, z_.size() - edges_}; }
+  std::span<const double> set_part() const { return std::span(z_).first(set_rows_); }
+  std::span<const double> row_part() const { return std::span(z_).subspan(set_rows_); }
 
   /// W R' z of the last solution, over local cloth vertices, ghosts current.
   std::span<const Vec3> push() const { return push_; }
@@ -41,25 +48,29 @@ private:
     Local parts, rows;
   };
 
-  void add_block(const Contact& contact);
+  /// Of all rows of contacts.
+  struct ContactPart {
+    std::vector<Block> blocks;
+    std::vector<Part> parts; ///< of all blocks
+    std::vector<Vec3> directions;
+    std::vector<double> lower, upper;
+    std::vector<double> diagonal; ///< compliance in it
+    std::vector<double> compliance;
+  };
+
+  void take_set(QpGuess guess);
   void take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows);
+  void add_block(const Contact& contact);
   void precondition(std::span<const double> r, std::span<double> s) const;
   void multiply(std::span<const double> z, std::span<double> result);
   void spread(std::span<const double> z);
 
   const Cloth& cloth_;
   const ContactSearch& search_;
-  YarnSystem yarns_;
-  std::size_t edges_;                             ///< owned
-  const EdgeEquations* edge_equations_ = nullptr; ///< of the program in hand
-  std::vector<Block> blocks_;
-  std::vector<Part> parts_;      ///< of all blocks
-  std::vector<Vec3> directions_; ///< of rows
-  std::vector<double> z_, rhs_, lower_, upper_, tolerance_;
-  std::vector<double> row_diagonal_; ///< compliance in it
-  std::vector<double> row_compliance_;
-  std::vector<double> scaled_compliance_; ///< of owned edges; 1 where nothing can move
-  std::vector<double> edge_values_;       ///< of local edges
+  Set* set_ = nullptr; ///< of the program in hand
+  std::size_t set_rows_ = 0;
+  ContactPart contact_;
+  std::vector<double> z_, rhs_, tolerance_;
   std::vector<Vec3> field_, push_;
 };
 

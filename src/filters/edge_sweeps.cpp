@@ -1,5 +1,7 @@
 #include "src/filters/edge_sweeps.hpp"
 
+#include "src/state/inverse_mass.hpp"
+
 namespace taut {
 
 EdgeSweeps::EdgeSweeps(const Cloth& cloth)
@@ -9,8 +11,7 @@ EdgeSweeps::EdgeSweeps(const Cloth& cloth)
 void EdgeSweeps::start(double dt, double compliance, const Freedom& freedom) {
   compliance_over_dt2_ = compliance / (dt * dt);
   freedom_ = freedom;
-  for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
-    inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
+  take_inverse_masses(cloth_, freedom, inverse_mass_);
 }
 
 EdgeSweeps::Correction EdgeSweeps::correction(Local edge, std::span<const Vec3> x, double s) const {

@@ -1,6 +1,6 @@
 #include "src/filters/icd.hpp"
 
-#include "src/filters/solver_options.hpp"
+#include "src/constraints/projection_options.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@ double shortest_edge(const Cloth& cloth) {
 
 } // namespace
 
-Icd::Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight)
-    : options_(options), step_(cloth, options, weight), system_(cloth.mesh, pattern, solver_options(options)),
+Icd::Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options)
+    : options_(options), step_(cloth, options), system_(cloth.mesh, pattern, solver_options(options)),
       shortest_(shortest_edge(cloth)), force_(cloth.mesh.vertices.owned), dx_(cloth.mesh.vertices.size()),
       weight_(cloth.mesh.edges.size()), gap_(cloth.mesh.edges.owned), d_mu_(cloth.mesh.edges.size()) {}
 

@@ -20,8 +20,8 @@ namespace taut {
 /// so stays positive definite.
 class Icd : public VelocityFilter {
 public:
-  /// `cloth` and `pattern` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
-  Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight);
+  /// `cloth` and `pattern` must outlive the filter. Collective.
+  Icd(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options);
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 

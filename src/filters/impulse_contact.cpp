@@ -24,13 +24,12 @@ constexpr double search_slack = 2.0;  ///< of the thickness: how far a target ma
 } // namespace
 
 ImpulseContact::ImpulseContact(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
-    : cloth_(cloth), obstacles_(obstacles), search_(cloth, obstacles),
-      contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
-      is_last_(config::contact_is_last(input)), inverse_mass_(cloth.mesh.vertices.size()) {}
+    : scene_(cloth, obstacles), contact_(input.contact.value_or(config::Contact{})), thickness_(cloth, input),
+      is_last_(config::contact_is_last(input)) {}
 
 FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom& freedom,
                                    Candidate& candidate) {
-  const MPI_Comm comm = cloth_.mesh.comm;
+  const MPI_Comm comm = scene_.cloth().mesh.comm;
   const double began = MPI_Wtime();
   FilterReport report;
   begin(start, dt, freedom, candidate);
@@ -40,7 +39,7 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {
-    if (search_.follow(motion())) {
+    if (scene_.search.follow(scene_.motion())) {
       update_pairs();
       zone.clear(); // its numbers were those of the pairs before
     }
@@ -58,7 +57,8 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
     else
       part_all(zone);
   }
-  for (std::size_t i = 0; i < target_.size(); ++i) candidate.velocities[i] = (target_[i] - start_[i]) / dt;
+  const auto &from = scene_.start().cloth, &to = scene_.target.cloth;
+  for (std::size_t i = 0; i < to.size(); ++i) candidate.velocities[i] = (to[i] - from[i]) / dt;
   for (std::size_t i = 0; i < pushed_.size(); ++i)
     candidate.reported.contact_force[i] = pushed_[i] / (dt * dt);
   report.contact_seconds = MPI_Wtime() - began;
@@ -68,52 +68,39 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
 void ImpulseContact::begin(const State& start, double dt, const Freedom& freedom,
                            const Candidate& candidate) {
   freedom_ = &freedom;
-  start_ = start.positions;
-  target_.resize(start_.size());
-  for (std::size_t i = 0; i < start_.size(); ++i) target_[i] = start_[i] + dt * candidate.velocities[i];
-  for (Local i = 0; i < Local(inverse_mass_.size()); ++i)
-    inverse_mass_[i] = freedom.is_held(i) ? 0.0 : 1.0 / cloth_.mass[i];
-  spins_ = obstacles_.spins(start.time, start.time + dt);
-  obstacles_.place(start.time, bodies_from_);
-  obstacles_.place(start.time + dt, bodies_to_);
-  pushed_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
-  search_.find(motion(), thickness_.largest(), search_slack * thickness_.largest());
+  scene_.begin(start, dt, candidate.velocities);
+  scene_.restrict_to(freedom);
+  pushed_.assign(scene_.cloth().mesh.vertices.owned, Vec3::Zero());
+  scene_.search.find(scene_.motion(), thickness_.largest(), search_slack * thickness_.largest());
   update_pairs();
 }
 
 void ImpulseContact::update_pairs() {
-  search_.gather(start_, bodies_from_, start_field_);
-  inverse_effective_mass_.assign(search_.size(), Vec3::Zero());
-  for (Local i = 0; i < search_.own(); ++i) inverse_effective_mass_[i][0] = inverse_mass_[i];
-  search_.update(inverse_effective_mass_);
+  scene_.gather_start();
   take_displacements();
 }
 
 void ImpulseContact::take_displacements() {
-  search_.gather(target_, bodies_to_, displacement_);
-  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= start_field_[i];
+  scene_.gather(scene_.target, displacement_);
+  for (std::size_t i = 0; i < displacement_.size(); ++i) displacement_[i] -= scene_.start_field()[i];
 }
 
 /// Nothing, where nothing can be moved.
 std::optional<ImpulseContact::Impact> ImpulseContact::impact(const Pair& pair, const Approach& approach,
                                                              double wanted) const {
-  double inverse_effective_mass = 0;
-  for (int i = 0; i < 4; ++i)
-    inverse_effective_mass +=
-        approach.weights[i] * approach.weights[i] * inverse_effective_mass_[pair.vertices[i]][0];
-  if (inverse_effective_mass == 0) return {};
-  const double friction = friction_of(pair, obstacles_, contact_);
-  const Vec3 spin = pair.body >= 0 ? Vec3(spins_[pair.body] * approach.normal) : Vec3(Vec3::Zero());
-  return Impact{pair.vertices, approach.weights, approach.normal, inverse_effective_mass, wanted, friction,
-                spin};
+  const double yields = scene_.inverse_effective_mass(pair, approach.weights);
+  if (yields == 0) return {};
+  const double friction = friction_of(pair, scene_.obstacles(), contact_);
+  const Vec3 spin = scene_.spin(pair.body, approach.normal);
+  return Impact{pair.vertices, approach.weights, approach.normal, yields, wanted, friction, spin};
 }
 
 /// The pairs that are nearer than the thickness where the step starts.
 std::vector<ImpulseContact::Impact> ImpulseContact::too_near() const {
   std::vector<Impact> found;
-  for (const Pair& pair : search_.pairs()) {
-    const Approach here = approach(pair, at(pair, start_field_));
-    const double violation = thickness_.of(pair, search_.keys()) - here.gap;
+  for (const Pair& pair : scene_.search.pairs()) {
+    const Approach here = approach(pair, at(pair, scene_.start_field()));
+    const double violation = thickness_.of(pair, scene_.search.keys()) - here.gap;
     if (violation <= 0) continue;
     if (const auto pushed = impact(pair, here, recovered * violation)) found.push_back(*pushed);
   }
@@ -123,17 +110,17 @@ std::vector<ImpulseContact::Impact> ImpulseContact::too_near() const {
 /// The pairs that come too near on the way, as they stand when they do; they are added to the zone.
 std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
   std::vector<Impact> found;
-  for (const Pair& pair : search_.pairs()) {
-    Four x = at(pair, start_field_);
+  for (const Pair& pair : scene_.search.pairs()) {
+    Four x = at(pair, scene_.start_field());
     const Four u = at(pair, displacement_);
-    const double thickness = thickness_.of(pair, search_.keys());
+    const double thickness = thickness_.of(pair, scene_.search.keys());
     const double part = safe_fraction(pair, x, u, nearest * std::min(approach(pair, x).gap, thickness));
     if (part == 1) continue;
     for (int i = 0; i < 4; ++i) x[i] += part * u[i];
     const auto met = impact(pair, approach(pair, x), 2 * program_left * thickness);
     if (!met) continue;
     found.push_back(*met);
-    zone[name_of(pair, search_.keys())] = *met;
+    zone[name_of(pair, scene_.search.keys())] = *met;
   }
   return found;
 }
@@ -147,17 +134,17 @@ Vec3 ImpulseContact::parting(const Impact& impact) const {
 
 /// Impulses on all of them at once.
 void ImpulseContact::push_apart(std::span<const Impact> impacts) {
-  std::vector<Vec3> busy(search_.size(), Vec3::Zero()); // first component: how many push a vertex
+  std::vector<double> busy(scene_.search.size(), 0.0); // how many push a vertex
   for (const Impact& i : impacts)
     for (int k = 0; k < 4; ++k)
-      if (i.weights[k] != 0) busy[i.vertices[k]][0] += 1;
-  search_.accumulate(busy);
-  search_.update(busy);
+      if (i.weights[k] != 0) busy[i.vertices[k]] += 1;
+  scene_.search.accumulate(busy);
+  scene_.search.update(busy);
   std::vector<double> sizes;
   for (const Impact& i : impacts) {
     double most = 1;
     for (const Local v : i.vertices)
-      if (inverse_effective_mass_[v][0] > 0) most = std::max(most, busy[v][0]);
+      if (scene_.can_move(v)) most = std::max(most, busy[v]);
     sizes.push_back(std::max(0.0, i.wanted - i.direction.dot(parting(i))) /
                     (i.inverse_effective_mass * most));
   }
@@ -176,14 +163,15 @@ void ImpulseContact::part_all(const Zone& zone) {
     violation[k] = impacts[k].wanted - impacts[k].direction.dot(parting(impacts[k]));
   constexpr double compliance = 1e-3; // of a row's diagonal: rows may depend on one another
   const auto multiply = [&](std::span<const double> z, std::span<double> result) {
-    std::vector<Vec3> field(search_.size(), Vec3::Zero());
+    std::vector<Vec3> field(scene_.search.size(), Vec3::Zero());
     for (std::size_t k = 0; k < n; ++k)
       for (int i = 0; i < 4; ++i)
         field[impacts[k].vertices[i]] += z[k] * impacts[k].weights[i] * impacts[k].direction;
-    search_.accumulate(field);
-    for (Local i = 0; i < search_.own(); ++i) field[i] = inverse_mass_[i] * freedom_->allowed(i, field[i]);
-    std::fill(field.begin() + search_.own(), field.begin() + search_.home(), Vec3::Zero());
-    search_.update(field);
+    scene_.search.accumulate(field);
+    for (Local i = 0; i < scene_.search.own(); ++i)
+      field[i] = scene_.inverse_mass()[i] * freedom_->allowed(i, field[i]);
+    std::fill(field.begin() + scene_.search.own(), field.begin() + scene_.search.home(), Vec3::Zero());
+    scene_.search.update(field);
     for (std::size_t k = 0; k < n; ++k) {
       Vec3 sum = Vec3::Zero();
       for (int i = 0; i < 4; ++i) sum += impacts[k].weights[i] * field[impacts[k].vertices[i]];
@@ -193,7 +181,7 @@ void ImpulseContact::part_all(const Zone& zone) {
   const auto precondition = [&](std::span<const double> r, std::span<double> s) {
     for (std::size_t k = 0; k < n; ++k) s[k] = r[k] / impacts[k].inverse_effective_mass;
   };
-  solve(cloth_.mesh.comm, BoundedQp{multiply, precondition, violation, 0, lower, upper, tolerance},
+  solve(scene_.cloth().mesh.comm, BoundedQp{multiply, precondition, violation, 0, lower, upper, tolerance},
         {most_products}, sizes);
   spread(impacts, sizes);
 }
@@ -201,7 +189,7 @@ void ImpulseContact::part_all(const Zone& zone) {
 /// Moves the target by normal impulses of these sizes (kg m) and by the friction that goes with them: at most
 /// what stops the slip.
 void ImpulseContact::spread(std::span<const Impact> impacts, std::span<const double> sizes) {
-  push_.assign(search_.size(), Vec3::Zero());
+  push_.assign(scene_.search.size(), Vec3::Zero());
   for (std::size_t k = 0; k < impacts.size(); ++k) {
     const Impact& i = impacts[k];
     if (sizes[k] <= 0) continue;
@@ -213,12 +201,12 @@ void ImpulseContact::spread(std::span<const Impact> impacts, std::span<const dou
         sizes[k] * i.direction - (stops > 0 ? rubs / stops : 0.0) / i.inverse_effective_mass * slip;
     for (int v = 0; v < 4; ++v) push_[i.vertices[v]] += i.weights[v] * impulse;
   }
-  search_.accumulate(push_);
-  for (Local i = 0; i < search_.own(); ++i) {
+  scene_.search.accumulate(push_);
+  for (Local i = 0; i < scene_.search.own(); ++i) {
     pushed_[i] += push_[i];
-    target_[i] += inverse_mass_[i] * freedom_->allowed(i, push_[i]);
+    scene_.target.cloth[i] += scene_.inverse_mass()[i] * freedom_->allowed(i, push_[i]);
   }
-  cloth_.mesh.vertex_halo.update(target_);
+  scene_.cloth().mesh.vertex_halo.update(scene_.target.cloth);
   take_displacements();
 }
 

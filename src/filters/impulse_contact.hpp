@@ -1,5 +1,5 @@
 #pragma once
-#include "src/contact/contact_search.hpp"
+#include "src/contact/contact_scene.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/filters/velocity_filter.hpp"
 
@@ -38,7 +38,6 @@ private:
   using Zone = std::map<ContactKey, Impact>;
 
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
-  Motion motion() const { return {start_, target_, bodies_from_, bodies_to_}; }
   void update_pairs();
   void take_displacements();
   std::optional<Impact> impact(const Pair& pair, const Approach& approach, double wanted) const;
@@ -49,23 +48,16 @@ private:
   void part_all(const Zone& zone);
   void spread(std::span<const Impact> impacts, std::span<const double> sizes);
 
-  const Cloth& cloth_;
-  const Obstacles& obstacles_;
-  ContactSearch search_;
+  ContactScene scene_;
   config::Contact contact_;
   Thickness thickness_;
   bool is_last_; ///< and so must leave nothing that meets
 
   // of the step in hand
   const Freedom* freedom_ = nullptr;
-  std::vector<double> inverse_mass_;             ///< 1/kg
-  std::vector<Mat3> spins_;                      ///< m
-  std::vector<Vec3> start_, target_;             ///< m, of local vertices
-  std::vector<Vec3> bodies_from_, bodies_to_;    ///< m
-  std::vector<Vec3> start_field_, displacement_; ///< m, contact fields
-  std::vector<Vec3> inverse_effective_mass_;     ///< 1/kg, in the first component, as a contact field
-  std::vector<Vec3> push_;                       ///< kg m, a contact field
-  std::vector<Vec3> pushed_;                     ///< kg m, of owned vertices, over the step
+  std::vector<Vec3> displacement_; ///< m, a contact field
+  std::vector<Vec3> push_;         ///< kg m, a contact field
+  std::vector<Vec3> pushed_;       ///< kg m, of owned vertices, over the step
 };
 
 } // namespace taut

@@ -11,21 +11,21 @@
 namespace taut {
 
 std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& pattern,
-                                            const config::Inextensibility& options, double weight) {
+                                            const config::Inextensibility& options) {
   using enum config::InextensibilityMethod;
   switch (options.method) {
   case fast_projection:
     if (options.constrain == config::Constrain::vertices)
-      return std::make_unique<FastProjection<MetricSet>>(cloth, options, weight);
-    return std::make_unique<FastProjection<EdgeSet>>(cloth, options, weight);
+      return std::make_unique<FastProjection<MetricSet>>(cloth, options);
+    return std::make_unique<FastProjection<EdgeSet>>(cloth, options);
   case icd:
-    return std::make_unique<Icd>(cloth, pattern, options, weight);
+    return std::make_unique<Icd>(cloth, pattern, options);
   case sap:
-    return std::make_unique<Sap>(cloth, pattern, options, weight);
+    return std::make_unique<Sap>(cloth, pattern, options);
   case shake:
-    return std::make_unique<Shake>(cloth, options, weight);
+    return std::make_unique<Shake>(cloth, options);
   case rattle:
-    return std::make_unique<Rattle>(cloth, options, weight);
+    return std::make_unique<Rattle>(cloth, options);
   case jacobi:
   case gauss_seidel:
     return std::make_unique<StrainLimiting>(cloth, options);

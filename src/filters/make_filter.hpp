@@ -7,8 +7,8 @@
 namespace taut {
 
 /// The filter of `inextensibility.method`; null if the method needs none. `cloth` and
-/// `pattern` must outlive it; `weight` is that of the whole cloth in N. Collective.
+/// `pattern` must outlive it. Collective.
 std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& pattern,
-                                            const config::Inextensibility& options, double weight);
+                                            const config::Inextensibility& options);
 
 } // namespace taut

@@ -64,9 +64,10 @@ config::Inextensibility inextensibility(const ProjectOptions& o) {
 
 Projector::Projector(const DistributedMesh& mesh, std::span<const double> masses,
                      const ProjectOptions& options)
-    : cloth_(cloth_of(mesh, masses, options)), dt_(options.dt),
-      filter_(cloth_, inextensibility(options), 0.0) {
-  for (const double m : cloth_.mass) held_.push_back(std::isinf(m));
+    : cloth_(cloth_of(mesh, masses, options)), dt_(options.dt), filter_(cloth_, inextensibility(options)),
+      freedom_(cloth_.mass.size()) {
+  for (Local i = 0; i < Local(cloth_.mass.size()); ++i)
+    if (std::isinf(cloth_.mass[i])) freedom_.hold(i);
 }
 
 /// A step from the candidate at rest: the filter's velocities are then the correction over dt.
@@ -82,7 +83,7 @@ std::vector<Vec3> Projector::project(std::span<const Vec3> candidate) {
   Candidate step;
   step.velocities.assign(candidate.size(), Vec3::Zero());
   step.multipliers.force_density.assign(mesh.edges.size(), 0.0);
-  const FilterReport report = filter_.apply(start, dt_, held_, step);
+  const FilterReport report = filter_.apply(start, dt_, freedom_, step);
   if (!report.failure.empty()) throw ProjectionError(report.failure);
   for (std::size_t i = 0; i < candidate.size(); ++i) start.positions[i] += dt_ * step.velocities[i];
   return std::move(start.positions);

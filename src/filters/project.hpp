@@ -46,7 +46,7 @@ private:
   Cloth cloth_;
   double dt_;
   FastProjection<EdgeSet> filter_;
-  std::vector<char> held_;
+  Freedom freedom_;
 };
 
 /// `Projector(mesh, masses, options).project(candidate)`. Collective.

@@ -1,12 +1,12 @@
 #include "src/filters/rattle.hpp"
 
-#include "src/filters/solver_options.hpp"
+#include "src/constraints/projection_options.hpp"
 
 namespace taut {
 
-Rattle::Rattle(const Cloth& cloth, const config::Inextensibility& options, double weight)
-    : shake_(cloth, options, weight), system_(cloth.mesh, solver_options(options)),
-      rates_(cloth.mesh.edges.owned), eta_(cloth.mesh.edges.size()) {}
+Rattle::Rattle(const Cloth& cloth, const config::Inextensibility& options)
+    : shake_(cloth, options), system_(cloth.mesh, solver_options(options)), rates_(cloth.mesh.edges.owned),
+      eta_(cloth.mesh.edges.size()) {}
 
 FilterReport Rattle::apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) {
   FilterReport report = shake_.apply("rattle", start, dt, freedom, candidate);

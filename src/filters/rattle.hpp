@@ -8,8 +8,8 @@ namespace taut {
 /// all at the end of the step.
 class Rattle : public VelocityFilter {
 public:
-  /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
-  Rattle(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  /// `cloth` must outlive the filter. Collective.
+  Rattle(const Cloth& cloth, const config::Inextensibility& options);
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 

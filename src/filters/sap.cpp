@@ -1,11 +1,11 @@
 #include "src/filters/sap.hpp"
 
-#include "src/filters/solver_options.hpp"
+#include "src/constraints/projection_options.hpp"
 
 namespace taut {
 
-Sap::Sap(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight)
-    : options_(options), step_(cloth, options, weight), slots_(edge_slots(cloth.mesh, pattern)),
+Sap::Sap(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options)
+    : options_(options), step_(cloth, options), slots_(edge_slots(cloth.mesh, pattern)),
       stiffened_mass_(pattern), vertices_(cloth.mesh, pattern, solver_options(options), "stiffness"),
       system_(cloth.mesh, pattern, solver_options(options)),
       no_force_(cloth.mesh.vertices.owned, Vec3::Zero()), momentum_(cloth.mesh.vertices.owned),

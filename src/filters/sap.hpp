@@ -17,8 +17,8 @@ namespace taut {
 /// that M + G be positive definite, that is, of edges under strong compression for a smaller step.
 class Sap : public VelocityFilter {
 public:
-  /// `cloth` and `pattern` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
-  Sap(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options, double weight);
+  /// `cloth` and `pattern` must outlive the filter. Collective.
+  Sap(const Cloth& cloth, const Pattern& pattern, const config::Inextensibility& options);
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 

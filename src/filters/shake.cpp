@@ -1,6 +1,6 @@
 #include "src/filters/shake.hpp"
 
-#include "src/filters/solver_options.hpp"
+#include "src/constraints/projection_options.hpp"
 
 namespace taut {
 
@@ -14,8 +14,8 @@ SolverOptions nonsymmetric(const config::Inextensibility& options) {
 
 } // namespace
 
-Shake::Shake(const Cloth& cloth, const config::Inextensibility& options, double weight)
-    : options_(options), step_(cloth, options, weight), system_(cloth.mesh, nonsymmetric(options)),
+Shake::Shake(const Cloth& cloth, const config::Inextensibility& options)
+    : options_(options), step_(cloth, options), system_(cloth.mesh, nonsymmetric(options)),
       gap_(cloth.mesh.edges.owned), d_mu_(cloth.mesh.edges.size()) {}
 
 FilterReport Shake::apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) {

@@ -17,8 +17,8 @@ namespace taut {
 /// one.
 class Shake : public VelocityFilter {
 public:
-  /// `cloth` must outlive the filter; `weight` is that of the whole cloth in N. Collective.
-  Shake(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  /// `cloth` must outlive the filter. Collective.
+  Shake(const Cloth& cloth, const config::Inextensibility& options);
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 

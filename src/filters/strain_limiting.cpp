@@ -1,5 +1,5 @@
 #include "src/filters/strain_limiting.hpp"
-#include "src/state/strain_gauge.hpp"
+#include "src/constraints/strain_gauge.hpp"
 
 #include <fmt/format.h>
 

@@ -26,7 +26,7 @@ Vec3 AirDrag::wind_at(const Vec3& position, double time) const {
   return air_.wind + air_.gust.speed * std::sin(2 * std::numbers::pi * phase) * along;
 }
 
-void AirDrag::add_to(StepSystem& system, const State& state) const {
+void AirDrag::add_to(StepSystem& system, const State& state) {
   for (const LocalCell& cell : cloth_.mesh.cells) {
     const int n = cell.size();
     if (n == 2) continue;

@@ -16,7 +16,7 @@ public:
   std::string_view name() const override { return "air_drag"; }
   bool is_internal() const override { return false; }
   double energy(const State&) const override { return 0; }
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
   /// m/s
   Vec3 wind_at(const Vec3& position, double time) const;

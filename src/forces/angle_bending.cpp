@@ -23,7 +23,7 @@ double AngleBending::energy(const State& state) const {
   return energy;
 }
 
-void AngleBending::add_to(StepSystem& system, const State& state) const {
+void AngleBending::add_to(StepSystem& system, const State& state) {
   for (const auto& [fold, rest_angle, rate] : bends_) {
     const auto& v = fold.vertices;
     const auto [angle, corner_gradient] = dihedral(fold.corners(state.positions));

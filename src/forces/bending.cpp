@@ -62,7 +62,7 @@ double YarnBending::energy(const State& state) const {
   return energy;
 }
 
-void YarnBending::add_to(StepSystem& system, const State& state) const {
+void YarnBending::add_to(StepSystem& system, const State& state) {
   for (const Stencil& s : stencils_) {
     const auto& t = cloth_.mesh.triples[s.triple];
     const auto weights = weights_of(t);

@@ -20,7 +20,7 @@ public:
 
   std::string_view name() const override { return name_; }
   double energy(const State& state) const override;
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   /// What else it is made of is made again when it is needed: that takes less time than to read it.

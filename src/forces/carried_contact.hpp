@@ -13,7 +13,7 @@ public:
 
   std::string_view name() const override { return "carried_contact"; }
   double energy(const State&) const override { return 0; }
-  void add_to(StepSystem& system, const State& state) const override {
+  void add_to(StepSystem& system, const State& state) override {
     for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
       system.add_force(i, state.multipliers.carried_contact_force[i]);
   }

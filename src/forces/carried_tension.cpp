@@ -8,7 +8,7 @@ CarriedTension::CarriedTension(const Cloth& cloth, const Pattern& pattern) : clo
       slots_.push_back(std::int32_t(pattern.slot(i, end.other)));
 }
 
-void CarriedTension::add_to(StepSystem& system, const State& state) const {
+void CarriedTension::add_to(StepSystem& system, const State& state) {
   auto slot = slots_.begin();
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     Vec3 pull = Vec3::Zero();

@@ -14,7 +14,7 @@ public:
 
   std::string_view name() const override { return "carried_tension"; }
   double energy(const State&) const override { return 0; }
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   const Cloth& cloth_;

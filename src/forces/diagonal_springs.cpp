@@ -34,7 +34,7 @@ double DiagonalSprings::energy(const State& state) const {
   return energy;
 }
 
-void DiagonalSprings::add_to(StepSystem& system, const State& state) const {
+void DiagonalSprings::add_to(StepSystem& system, const State& state) {
   for (const Spring& s : springs_) {
     const auto& [a, b] = s.vertices;
     const Vec3 d = state.positions[b] - state.positions[a];

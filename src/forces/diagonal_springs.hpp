@@ -17,7 +17,7 @@ public:
 
   std::string_view name() const override { return "shear"; }
   double energy(const State& state) const override;
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   struct Spring {

@@ -25,7 +25,7 @@ public:
   /// Adds the force at the state's positions and its stiffness and damping, as StepSystem asks for them. The
   /// stiffness is positive semi-definite: terms of the exact Hessian that are not are left out, and named by
   /// the force.
-  virtual void add_to(StepSystem& system, const State& state) const = 0;
+  virtual void add_to(StepSystem& system, const State& state) = 0;
 };
 
 } // namespace taut

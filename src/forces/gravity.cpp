@@ -9,7 +9,7 @@ double Gravity::energy(const State& state) const {
   return energy;
 }
 
-void Gravity::add_to(StepSystem& system, const State&) const {
+void Gravity::add_to(StepSystem& system, const State&) {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) system.add_force(i, cloth_.mass[i] * acceleration_);
 }
 

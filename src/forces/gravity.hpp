@@ -12,7 +12,7 @@ public:
   std::string_view name() const override { return "gravity"; }
   bool is_internal() const override { return false; }
   double energy(const State& state) const override;
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   const Cloth& cloth_;

@@ -36,7 +36,7 @@ double IsometricBending::energy(const State& state) const {
   return energy;
 }
 
-void IsometricBending::add_to(StepSystem& system, const State& state) const {
+void IsometricBending::add_to(StepSystem& system, const State& state) {
   for_each([&](const auto& s) {
     constexpr std::size_t n = std::tuple_size_v<std::decay_t<decltype(s.vertices)>>;
     const Vec3 sum = s.sum(state.positions);

@@ -80,7 +80,7 @@ double Shear::energy(const State& state) const {
   return energy;
 }
 
-void Shear::add_to(StepSystem& system, const State& state) const {
+void Shear::add_to(StepSystem& system, const State& state) {
   for (const Element& element : elements_) {
     const Face f = face(element.cell);
     const auto [c, gradient] = evaluate(f.stencil, corners(f.vertices, state.positions));

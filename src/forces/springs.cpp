@@ -28,7 +28,7 @@ double Springs::energy(const State& state) const {
   return energy;
 }
 
-void Springs::add_to(StepSystem& system, const State& state) const {
+void Springs::add_to(StepSystem& system, const State& state) {
   for (const Element& element : elements_) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[element.edge];
     const double l = cloth_.rest_length[element.edge];

@@ -14,7 +14,7 @@ public:
 
   std::string_view name() const override { return "springs"; }
   double energy(const State& state) const override;
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   struct Element {

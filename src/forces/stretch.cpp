@@ -103,7 +103,7 @@ double Stretch::energy(const State& state) const {
   return energy;
 }
 
-void Stretch::add_to(StepSystem& system, const State& state) const {
+void Stretch::add_to(StepSystem& system, const State& state) {
   for (const Element& e : elements_) {
     const auto& v = e.tangent.vertices;
     const auto& c = e.tangent.c;

@@ -37,7 +37,7 @@ public:
 
   std::string_view name() const override { return "stretch"; }
   double energy(const State& state) const override;
-  void add_to(StepSystem& system, const State& state) const override;
+  void add_to(StepSystem& system, const State& state) override;
 
 private:
   struct Element {

@@ -94,4 +94,14 @@ SolveReport MetricSystem::solve(std::span<const Vec2> rhs, double tolerance, std
   return report;
 }
 
+void MetricSystem::precondition(std::span<const double> r, std::span<double> s) const {
+  Petsc& p = *petsc_;
+  PC pc = nullptr;
+  check(KSPSetOperators(p.solver, p.matrix, p.matrix));
+  check(KSPGetPC(p.solver, &pc));
+  put(r, p.rhs);
+  check(PCApply(pc, p.rhs, p.solution));
+  take(p.solution, s);
+}
+
 } // namespace taut

@@ -28,6 +28,10 @@ public:
   /// Solves for `mu` (owned part; ghosts are updated) to the relative tolerance given. Collective.
   SolveReport solve(std::span<const Vec2> rhs, double tolerance, std::vector<Vec2>& mu);
 
+  /// s, an approximate solution for r, by the preconditioner of the solver; rows as [warp, weft] of owned
+  /// vertices. Collective.
+  void precondition(std::span<const double> r, std::span<double> s) const;
+
 private:
   struct Petsc;
   const DistributedMesh& mesh_;

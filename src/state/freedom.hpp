@@ -17,10 +17,9 @@ public:
   explicit Freedom(std::size_t vertices) : kind_(vertices, free) {}
 
   /// Vertices free (0) or held (not 0).
-  Freedom(std::span<const char> held) {
+  explicit Freedom(std::span<const char> held) {
     for (const char h : held) kind_.push_back(h ? held_fast : free);
   }
-  Freedom(const std::vector<char>& held) : Freedom(std::span<const char>(held)) {}
 
   std::size_t size() const { return kind_.size(); }
 

@@ -2,6 +2,7 @@
 
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
+#include "src/constraints/edge_set.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
@@ -21,44 +22,30 @@ namespace taut {
 
 namespace {
 
+std::unique_ptr<VelocityFilter> make_contact_projection(const Cloth& cloth, const Obstacles& obstacles,
+                                                        const Case& input, const Resolved& resolved) {
+  return std::make_unique<ContactProjection<EdgeSet>>(
+      cloth, obstacles, Thickness(cloth, input),
+      ContactProjectionOptions{.limits = resolved.inextensibility,
+                               .contact = input.contact.value_or(config::Contact{}),
+                               .gravity = input.gravity.norm(),
+                               .longest_step = input.time.max_step});
+}
+
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const Cloth& cloth, const Obstacles& obstacles,
                                                           const Pattern& pattern, const Case& input,
-                                                          const config::Inextensibility& limits,
-                                                          double weight) {
+                                                          const Resolved& resolved) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
   if (input.contact_model() == config::ContactModel::constraint) {
-    filters.push_back(std::make_unique<ContactProjection>(cloth, obstacles, input, weight));
+    filters.push_back(make_contact_projection(cloth, obstacles, input, resolved));
     return filters;
   }
-  if (auto filter = make_filter(cloth, pattern, limits, weight)) filters.push_back(std::move(filter));
+  if (auto filter = make_filter(cloth, pattern, resolved.inextensibility))
+    filters.push_back(std::move(filter));
   if (input.contact_model() == config::ContactModel::impulse)
     filters.insert(config::contact_is_last(input) ? filters.end() : filters.begin(),
                    std::make_unique<ImpulseContact>(cloth, obstacles, input));
   return filters;
-}
-
-/// With what the case leaves to the mesh.
-config::Inextensibility inextensibility_of(const Case& input, const Cloth& cloth) {
-  config::Inextensibility result = input.inextensibility;
-  result.constrain = config::constrain_of(input, cloth.mesh.triangles_only);
-  if (result.constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
-    throw InputError(
-        input.file.string() +
-        ": inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
-        "keep warp and weft by their edges: choose edges");
-  return result;
-}
-
-std::optional<double> strain_limit_of(const Case& input) {
-  if (!config::holds_limit(input)) return {};
-  return input.inextensibility.strain;
-}
-
-/// In N. Collective.
-double weight_of(const Cloth& cloth, const Vec3& gravity) {
-  double mass = 0;
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  return sum_over(cloth.mesh.comm, mass) * gravity.norm();
 }
 
 /// Predictions that are made again in a step; what solids still pull then is let go in the next step.
@@ -88,12 +75,11 @@ double cpu_seconds() {
 
 Simulation::Simulation(MPI_Comm comm, const Case& input)
     : comm_(comm), down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), obstacles_(comm, input),
-      inextensibility_(inextensibility_of(input, cloth_)), strain_limit_(strain_limit_of(input)),
-      weight_(weight_of(cloth_, input.gravity)), state_(start_state(cloth_, input)),
-      gauge_(cloth_, *inextensibility_.constrain), pins_(cloth_, input, state_.positions),
-      pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input)),
-      filters_(make_filters(cloth_, obstacles_, pattern_, input, inextensibility_, weight_)),
+      cloth_(load_cloth(comm, input)), obstacles_(comm, input), resolved_(resolve(input, cloth_)),
+      state_(start_state(cloth_, input)), gauge_(cloth_, *resolved_.inextensibility.constrain),
+      pins_(cloth_, input, state_.positions), pattern_(cloth_.mesh),
+      forces_(make_forces(cloth_, obstacles_, pattern_, input)),
+      filters_(make_filters(cloth_, obstacles_, pattern_, input, resolved_)),
       integrator_(input.time.integrator),
       predictor_(cloth_, pattern_, forces_, input.velocity, input.time.integrator), step_size_(input.time),
       max_stretch_change_(input.time.max_stretch_change), freedom_(state_.positions.size()),
@@ -183,7 +169,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   candidate_.positions.resize(state_.positions.size());
   for (std::size_t i = 0; i < candidate_.positions.size(); ++i)
     candidate_.positions[i] = start.state.positions[i] + start.dt * candidate_.velocities[i];
-  if (config::is_filter(inextensibility_.method)) add_pull_of_filters();
+  if (config::is_filter(resolved_.inextensibility.method)) add_pull_of_filters();
   if (solids_) solids_->note_forces(candidate_);
   record.strain = gauge_.measure(candidate_.positions);
   record.seconds.projection = watch.lap() - record.seconds.contact;
@@ -242,7 +228,7 @@ void Simulation::filter(const StepStart& start, Attempt& attempt) {
     attempt.record.seconds.contact += filtered.contact_seconds;
     // where contact has the last word and breaks the limit, the projection only does what it can
     const bool has_last_word = k + 1 == filters_.size();
-    if (strain_limit_ || has_last_word || !all_finite(candidate_.velocities))
+    if (resolved_.strain_limit || has_last_word || !all_finite(candidate_.velocities))
       attempt.failure = filtered.failure;
   }
 }
@@ -264,14 +250,15 @@ void Simulation::add_pull_of_filters() {
 
 /// What the prediction carries of a force density of the step before.
 double Simulation::carried(double force_density) const {
-  return inextensibility_.carried_tension ? std::max(force_density, 0.0) : 0.0;
+  return resolved_.inextensibility.carried_tension ? std::max(force_density, 0.0) : 0.0;
 }
 
 /// Why a step with this strain cannot be accepted; empty if it can.
 std::string Simulation::fault_of(const Strain& strain) const {
   if (!std::isfinite(strain.max)) return "positions are no longer numbers";
-  if (!strain_limit_ || strain.max <= *strain_limit_) return "";
-  return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
+  if (!resolved_.strain_limit || strain.max <= *resolved_.strain_limit) return "";
+  return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max,
+                     *resolved_.strain_limit);
 }
 
 /// The same for how drastically stretch changes in it [BW98 section 6].
@@ -285,7 +272,7 @@ std::string Simulation::fault_of_stretch() const {
 
 /// Where the strain of a rejected step is beyond the limit, in words.
 std::string Simulation::place_of_fault(const StepRecord& record) const {
-  if (!strain_limit_ || !(record.strain.max > *strain_limit_)) return "";
+  if (!resolved_.strain_limit || !(record.strain.max > *resolved_.strain_limit)) return "";
   const std::string where =
       where_strained(cloth_, gauge_, obstacles_, candidate_.positions, state_.time + record.dt);
   return where.empty() ? "" : "; " + where;

@@ -1,8 +1,9 @@
 #pragma once
+#include "src/constraints/strain_gauge.hpp"
 #include "src/contact/solid_constraints.hpp"
 #include "src/filters/velocity_filter.hpp"
 #include "src/forces/stretch.hpp"
-#include "src/state/strain_gauge.hpp"
+#include "src/state/resolve.hpp"
 #include "src/time/implicit_euler.hpp"
 #include "src/time/integrator.hpp"
 #include "src/time/observer.hpp"
@@ -46,10 +47,10 @@ public:
   const Obstacles& obstacles() const { return obstacles_; }
   const State& state() const { return state_; }
   /// With all that the case leaves to the mesh.
-  const config::Inextensibility& inextensibility() const { return inextensibility_; }
+  const config::Inextensibility& inextensibility() const { return resolved_.inextensibility; }
   /// Of every accepted step; none if nothing keeps one.
-  std::optional<double> strain_limit() const { return strain_limit_; }
-  double weight() const { return weight_; } ///< of the cloth, N
+  std::optional<double> strain_limit() const { return resolved_.strain_limit; }
+  double weight() const { return resolved_.weight; } ///< of the cloth, N
   const StrainGauge& gauge() const { return gauge_; }
   const Pins& pins() const { return pins_; }
   const Forces& forces() const { return forces_; }
@@ -73,7 +74,7 @@ private:
   std::string fault_of(const Strain& strain) const;
   std::string fault_of_stretch() const;
   std::string place_of_fault(const StepRecord& record) const;
-  bool limits_averages() const { return inextensibility_.constrain == config::Constrain::vertices; }
+  bool limits_averages() const { return resolved_.inextensibility.constrain == config::Constrain::vertices; }
   void accept(double time, double dt);
   void measure(StepRecord& record) const;
 
@@ -81,9 +82,7 @@ private:
   Vec3 down_;
   Cloth cloth_;
   Obstacles obstacles_;
-  config::Inextensibility inextensibility_;
-  std::optional<double> strain_limit_;
-  double weight_; ///< of the cloth, N
+  Resolved resolved_;
   State state_;
   StrainGauge gauge_;
   Pins pins_;

@@ -2,7 +2,6 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
-#include "src/filters/edge_constraints.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -139,8 +138,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"p999", quantile(mesh.comm, all, 0.999)}}},
       {"projection",
        {{"method", method_name(limits.method)},
-        {"compliance",
-         config::is_projection(limits.method) ? Json(compliance_of(limits, simulation_.weight())) : Json()},
+        {"compliance", config::is_projection(limits.method) ? Json(*limits.compliance) : Json()},
         {"iterations_mean", a_step(double(all.iterations))},
         {"iterations_max", all.iterations_max},
         {"ksp_iterations_mean",

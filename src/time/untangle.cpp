@@ -2,7 +2,6 @@
 
 #include "src/contact/intersections.hpp"
 #include "src/contact/untangler.hpp"
-#include "src/filters/edge_constraints.hpp"
 #include "src/filters/project.hpp"
 
 #include <algorithm>
@@ -25,7 +24,7 @@ public:
       if (!freedom.is_free(i)) masses[i] = held;
     projector_.emplace(simulation.cloth().mesh, masses,
                        ProjectOptions{.strain = strain_left * limits.strain,
-                                      .compliance = compliance_of(limits, simulation.weight()),
+                                      .compliance = limits.compliance.value_or(0.0),
                                       .dt = input.time.max_step});
   }
 

@@ -1,13 +1,8 @@
 #pragma once
-#include "src/state/cloth.hpp"
-#include "src/state/freedom.hpp"
+#include "src/constraints/constraint_set.hpp"
+#include "src/constraints/edge_loops.hpp"
 
 namespace taut {
-
-/// The compliance c in 1/N that `options` ask for, of a cloth with this weight in N. By default it is such
-/// that a taut thread which bears the whole weight W stretches by e = a tenth of the limit: it sags by s with
-/// e = 8/3 (s/L)^2 and T = W L/(8 s), so c = e/T = 4.9 e^(3/2) / W.
-double compliance_of(const config::Inextensibility& options, double weight);
 
 /// The constraints of all edges, C = |d|^2/l - l = 0 [G07 section 3], with their gradients: dC/dx = 2 d/l by
 /// the second vertex of an edge, minus that by the first. What the methods that solve for tensions share.
@@ -15,12 +10,12 @@ double compliance_of(const config::Inextensibility& options, double weight);
 /// Tensions are told by mu = h^2 lambda: the force density of an edge is q = 2 mu/(l h^2), in N/m. Each
 /// constraint has a compliance c, the strain of an edge per newton of its tension, so that C = a mu with a =
 /// 4 l c/h^2. Without it a thread pulled straight between two pins makes systems singular: what little it may
-/// sag asks for a tension without bound.
+/// sag asks for a tension without bound. With contact a is bounded, see ConstraintUse.
 class EdgeConstraints {
 public:
-  /// `cloth` must outlive the constraints; `weight` is that of the whole cloth in N, for the default
-  /// compliance.
-  EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options, double weight);
+  /// `cloth` must outlive the constraints; no compliance in `options` is none.
+  EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
+                  ConstraintUse use = ConstraintUse::alone);
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -36,10 +31,7 @@ public:
   /// Of J^T mu the part of a vertex in the directions in which it may move, for gradients that may be those
   /// of another place. Not collective.
   Vec3 pull(Local vertex, std::span<const Vec3> gradients, std::span<const double> mu) const {
-    Vec3 pull = Vec3::Zero();
-    for (const EdgeEnd& end : cloth_.mesh.star_of(vertex))
-      pull += end.sign * mu[end.edge] * gradients[end.edge];
-    return freedom_.allowed(vertex, pull);
+    return freedom_.allowed(vertex, sum_at(cloth_.mesh, vertex, gradients, mu));
   }
 
   /// mu from force densities, and back; over local edges. Not collective.
@@ -47,21 +39,23 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  double compliance() const { return compliance_; }                                ///< c, in 1/N
-  const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
+  std::span<const double> lengths() const { return lengths_; }      ///< m, of owned edges; with contact
+  const std::vector<Vec3>& gradients() const { return gradients_; } ///< of local edges
   std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
   const Freedom& freedom() const { return freedom_; }
 
-private:
+  /// Whether any motion that is free changes the value of an edge. Not collective.
   bool can_change(Local edge) const;
 
+private:
   const Cloth& cloth_;
-  double compliance_;
+  double compliance_; ///< c, in 1/N
+  ConstraintUse use_;
   double dt_ = 0;
   Freedom freedom_;
   std::vector<Vec3> gradients_;
-  std::vector<double> values_, scaled_compliance_, inverse_mass_;
+  std::vector<double> values_, lengths_, scaled_compliance_, inverse_mass_;
 };
 
 } // namespace taut

@@ -1,4 +1,4 @@
-#include "src/filters/thread_stiffness.hpp"
+#include "src/constraints/thread_stiffness.hpp"
 
 #include "partition/sort_unique.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/filters/edge_constraints.hpp"
+#include "src/constraints/edge_constraints.hpp"
 #include "src/linear/yarn_factor.hpp"
 
 namespace taut {

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/state/averaged_metric.hpp"
+#include "src/constraints/averaged_metric.hpp"
 
 #include <cmath>
 #include <optional>
@@ -34,6 +34,9 @@ private:
   const Cloth& cloth_;
   std::optional<AveragedMetric> metric_;
 };
+
+/// The largest of an averaged metric. Collective.
+double largest_strain(const AveragedMetric& metric, std::span<const Vec3> positions);
 
 /// That of edges. Collective.
 inline Strain measure_strain(const Cloth& cloth, std::span<const Vec3> positions) {

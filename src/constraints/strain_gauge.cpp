@@ -1,4 +1,4 @@
-#include "src/state/strain_gauge.hpp"
+#include "src/constraints/strain_gauge.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +20,17 @@ Strain StrainGauge::measure(std::span<const Vec3> positions) const {
   max = max_over(cloth_.mesh.comm, max);
   sum_in_place(cloth_.mesh.comm, squares);
   return {max, squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 0.0};
+}
+
+double largest_strain(const AveragedMetric& metric, std::span<const Vec3> positions) {
+  const DistributedMesh& mesh = metric.cloth().mesh;
+  double max = 0;
+  for (Local i = 0; i < mesh.vertices.owned; ++i)
+    for (const double g : metric.at(i, positions)) {
+      const double strain = std::sqrt(g) - 1.0;
+      max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
+    }
+  return max_over(mesh.comm, max);
 }
 
 } // namespace taut

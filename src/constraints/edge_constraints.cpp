@@ -1,26 +1,30 @@
-#include "src/filters/edge_constraints.hpp"
+#include "src/constraints/edge_constraints.hpp"
+
+#include "src/state/inverse_mass.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace taut {
 
-double compliance_of(const config::Inextensibility& options, double weight) {
-  return options.compliance.value_or(weight > 0 ? 4.9 * std::pow(0.1 * options.strain, 1.5) / weight : 0.0);
+EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
+                                 ConstraintUse use)
+    : cloth_(cloth), compliance_(options.compliance.value_or(0.0)), use_(use),
+      gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned),
+      scaled_compliance_(cloth.mesh.edges.owned), inverse_mass_(cloth.mesh.vertices.size()) {
+  if (use == ConstraintUse::with_contact) lengths_.resize(cloth.mesh.edges.owned);
 }
-
-EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options, double weight)
-    : cloth_(cloth), compliance_(compliance_of(options, weight)), gradients_(cloth.mesh.edges.size()),
-      values_(cloth.mesh.edges.owned), scaled_compliance_(cloth.mesh.edges.owned),
-      inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void EdgeConstraints::start(double dt, const Freedom& freedom) {
   dt_ = dt;
   freedom_ = freedom;
-  for (std::size_t i = 0; i < inverse_mass_.size(); ++i)
-    inverse_mass_[i] = freedom.is_held(Local(i)) ? 0.0 : 1.0 / cloth_.mass[i];
-  for (std::size_t e = 0; e < scaled_compliance_.size(); ++e)
-    scaled_compliance_[e] = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
+  take_inverse_masses(cloth_, freedom, inverse_mass_);
+  for (std::size_t e = 0; e < scaled_compliance_.size(); ++e) {
+    const auto& [a, b] = cloth_.mesh.edge_vertices[e];
+    const double asked = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
+    const double yields = 4.0 * (inverse_mass_[a] + inverse_mass_[b]); // J W J^T of an edge at its length
+    scaled_compliance_[e] = bounded_compliance(use_, asked, yields);
+  }
 }
 
 double EdgeConstraints::evaluate(std::span<const Vec3> x) {
@@ -32,9 +36,10 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
     const Vec3 d = x[b] - x[a];
     gradients_[e] = (2.0 / l) * d;
     if (!mesh.owns_edge(e)) continue;
-    const double squared = d.squaredNorm();
-    values_[e] = squared / l - l;
-    const double strain = std::sqrt(squared) / l - 1.0;
+    const double squared = d.squaredNorm(), length = std::sqrt(squared);
+    values_[e] = (use_ == ConstraintUse::alone ? squared : length * length) / l - l;
+    if (!lengths_.empty()) lengths_[e] = length;
+    const double strain = length / l - 1.0;
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
   return max_over(mesh.comm, max);

@@ -1,4 +1,4 @@
-#include "src/state/averaged_metric.hpp"
+#include "src/constraints/averaged_metric.hpp"
 
 #include "src/state/material_coordinates.hpp"
 

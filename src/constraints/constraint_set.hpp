@@ -1,0 +1,83 @@
+#pragma once
+#include "src/linear/solver_options.hpp"
+#include "src/state/freedom.hpp"
+#include "src/state/state.hpp"
+
+#include <algorithm>
+#include <concepts>
+
+namespace taut {
+
+/// What a set of constraints is used for.
+enum class ConstraintUse {
+  alone,
+  with_contact ///< the compliance is bounded: see bounded_compliance
+};
+
+/// The scaled compliance a of a row: what is asked, which grows as 1/h^2; under contact no more than a small
+/// part of what the row yields by its masses, so that halving a step in which something strikes hard does not
+/// soften the cloth.
+inline double bounded_compliance(ConstraintUse use, double asked, double yields) {
+  constexpr double most = 1e-3;
+  return use == ConstraintUse::with_contact ? std::min(asked, most * yields) : asked;
+}
+
+/// A set of constraints C(x) = a mu on the cloth, with J = dC/dx, scaled compliances a, and multipliers mu =
+/// h^2 lambda: what inextensibility keeps, alone (FastProjection) and with contact (ContactProjection).
+/// Another kind of constraint is another class like EdgeSet and MetricSet, and a line where its methods are
+/// instantiated.
+///
+/// A rank holds the rows that it owns; W are the inverse masses in the directions in which vertices may move.
+/// What is said to be collective is so among neighbours at least.
+template<class S>
+concept ConstraintSet = requires(S set, const S& fixed, const State& start, double number,
+                                 const Freedom& freedom, Candidate& candidate, std::span<const Vec3> vertices,
+                                 std::span<Vec3> field, std::span<const double> z, std::span<double> rows,
+                                 Local vertex) {
+  /// For a step from `start`, with the multipliers that the candidate carries. Not collective.
+  set.start(start, number, freedom, candidate);
+  /// C and J at positions of local vertices; returns the largest |strain|, infinite if one is not a number.
+  /// Collective.
+  { set.evaluate(vertices) } -> std::same_as<double>;
+  /// The same strain alone. Collective.
+  { fixed.strain(vertices) } -> std::same_as<double>;
+  /// mu into the candidate, as forces and stresses. Not collective, but for ghosts.
+  fixed.finish(candidate);
+
+  /// Without contact: (J W J^T + a) d_mu = C - a mu, to the relative tolerance given; d_mu is added to mu.
+  /// Collective.
+  { set.solve(number) } -> std::same_as<SolveReport>;
+  /// W J^T d_mu at an owned vertex, in m. Not collective.
+  { fixed.displacement(vertex) } -> std::same_as<Vec3>;
+
+  /// As rows of a quadratic program for increments z of mu (ContactQp): how many this rank owns; a of each, 1
+  /// where nothing can move.
+  { fixed.rows() } -> std::convertible_to<std::size_t>;
+  { fixed.program_compliance() } -> std::convertible_to<std::span<const double>>;
+  /// The step may leave this part of the strain that it starts with. Not collective.
+  set.keep_strain(number);
+  /// C - a mu with C linear in the stretch, which is what moves a row to its length if the cloth keeps its
+  /// direction, less what the step may leave.
+  fixed.program_residual(rows);
+  /// What a part of the strain limit is for each row.
+  fixed.program_tolerance(number, rows);
+  /// z of the last step's programs, to start from.
+  fixed.program_guess(rows);
+  /// Prepares `precondition`. Collective.
+  set.factor();
+  /// An approximate solution of (J W J^T + a) s = r. Collective.
+  fixed.precondition(z, rows);
+  /// field -= J^T z on owned vertices, which come first in it, in two halves around the exchange with
+  /// neighbours.
+  set.begin_spread(z);
+  set.end_spread(field);
+  /// rows -= J u, for u over local vertices.
+  set.subtract_difference(vertices, rows);
+  /// mu += z. Collective.
+  set.add(z);
+
+  { fixed.inverse_mass() } -> std::convertible_to<std::span<const double>>; ///< of local vertices, 0 if held
+  { fixed.freedom() } -> std::same_as<const Freedom&>;
+};
+
+} // namespace taut

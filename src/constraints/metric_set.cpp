@@ -1,0 +1,201 @@
+#include "src/constraints/metric_set.hpp"
+
+#include "src/constraints/edge_loops.hpp"
+#include "src/constraints/projection_options.hpp"
+#include "src/constraints/strain_gauge.hpp"
+#include "src/state/inverse_mass.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
+    : cloth_(cloth), options_(options), use_(use), metric_(cloth), inverse_mass_(cloth.mesh.vertices.size()),
+      gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned), residual_(metrics_),
+      scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
+      edge_values_(cloth.mesh.edges.size()), edge_sum_(edge_values_) {
+  for (const double area : cloth.measure) scale_.push_back(std::sqrt(area));
+  find_columns();
+  system_.emplace(cloth.mesh, column_begin_, column_rows_, solver_options(options));
+}
+
+void MetricSet::find_columns() {
+  for (Local p = 0; p < cloth_.mesh.vertices.owned; ++p) {
+    const std::size_t first = column_rows_.size();
+    for (const EdgeEnd& end : cloth_.mesh.star_of(p))
+      for (const auto& share : metric_.of_edge(end.edge)) {
+        const auto begin = column_rows_.begin() + std::ptrdiff_t(first);
+        const auto found = std::find(begin, column_rows_.end(), share.vertex);
+        const auto place = std::size_t(found - column_rows_.begin());
+        if (place == column_rows_.size()) column_rows_.push_back(share.vertex);
+        entries_.push_back({end, scale_[share.vertex] * share.weight, place});
+      }
+    column_begin_.push_back(column_rows_.size());
+  }
+  columns_.resize(column_rows_.size());
+}
+
+void MetricSet::start(const State& start, double dt, const Freedom& freedom, const Candidate&) {
+  dt_ = dt;
+  start_ = &start;
+  freedom_ = freedom;
+  take_inverse_masses(cloth_, freedom, inverse_mass_);
+  for (std::size_t i = 0; i < mu_.size(); ++i)
+    mu_[i] = options_.carried_tension
+                 ? Vec2(0.5 * dt * dt * scale_[i] * start.multipliers.stress[i].cwiseMax(0.0))
+                 : Vec2(Vec2::Zero());
+  edge_sum_.assign(edge_sum_.size(), 0.0);
+}
+
+double MetricSet::evaluate(std::span<const Vec3> x) {
+  const DistributedMesh& mesh = cloth_.mesh;
+  for (std::size_t e = 0; e < gradients_.size(); ++e) {
+    const auto& [a, b] = mesh.edge_vertices[e];
+    gradients_[e] = 2.0 * (x[b] - x[a]);
+  }
+  double max = 0;
+  for (Local i = 0; i < mesh.vertices.owned; ++i) {
+    metrics_[i] = metric_.at(i, x);
+    for (const double g : metrics_[i]) {
+      const double strain = std::abs(std::sqrt(g) - 1.0);
+      max = std::max(max, std::isfinite(strain) ? strain : HUGE_VAL);
+    }
+  }
+  return max_over(mesh.comm, max);
+}
+
+double MetricSet::strain(std::span<const Vec3> x) const { return largest_strain(metric_, x); }
+
+void MetricSet::fill_columns() {
+  for (auto& column : columns_) column.fill(Vec3::Zero());
+  for (const auto& [end, weight, place] : entries_) {
+    const Vec3 g = end.sign * gradients_[end.edge];
+    for (int k = 0; k < 2; ++k) columns_[place][k] += weight[k] * g;
+  }
+}
+
+/// Whether any motion that is free changes the metric at an owned vertex.
+bool MetricSet::can_change(Local vertex) const {
+  const auto shares = metric_.of_vertex(vertex);
+  return std::any_of(shares.begin(), shares.end(), [&](const auto& share) {
+    const auto& [a, b] = cloth_.mesh.edge_vertices[share.edge];
+    const Vec3& side = gradients_[share.edge];
+    return !freedom_.allowed(a, side).isZero(0) || !freedom_.allowed(b, side).isZero(0);
+  });
+}
+
+void MetricSet::take_compliances() {
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
+    const double yields = 4.0 * inverse_mass_[i]; // about J W J^T of a row whose metric is 1
+    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(use_, asked, yields) : 1.0);
+  }
+}
+
+void MetricSet::factor() {
+  take_compliances();
+  fill_columns();
+  system_->assemble(columns_, inverse_mass_, freedom_, scaled_compliance_);
+}
+
+SolveReport MetricSet::solve(double tolerance) {
+  factor();
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    const Vec2 value = scale_[i] * (metrics_[i].array() - 1.0);
+    residual_[i] = can_change(i) ? Vec2(value - scaled_compliance_[i][0] * mu_[i]) : Vec2(Vec2::Zero());
+  }
+  SolveReport report = system_->solve(residual_, tolerance, change_);
+  if (report.failure.empty()) add_change();
+  return report;
+}
+
+/// By squared length, of local edges: what J^T makes of `change_`, but for the edges' own derivatives.
+void MetricSet::spread_to_edges() {
+  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
+    edge_values_[e] = 0;
+    for (const auto& share : metric_.of_edge(e))
+      edge_values_[e] += scale_[share.vertex] * share.weight.dot(change_[share.vertex]);
+  }
+}
+
+void MetricSet::add_change() {
+  for (std::size_t i = 0; i < mu_.size(); ++i) mu_[i] += change_[i];
+  spread_to_edges();
+  for (std::size_t e = 0; e < edge_sum_.size(); ++e) edge_sum_[e] += edge_values_[e];
+}
+
+Vec3 MetricSet::displacement(Local vertex) const {
+  return inverse_mass_[vertex] *
+         freedom_.allowed(vertex, sum_at(cloth_.mesh, vertex, gradients_, edge_values_));
+}
+
+void MetricSet::finish(Candidate& candidate) const {
+  for (std::size_t i = 0; i < mu_.size(); ++i)
+    candidate.multipliers.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
+  for (std::size_t e = 0; e < edge_sum_.size(); ++e)
+    candidate.multipliers.force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
+  // an edge far from owned vertices lacks triangles
+  cloth_.mesh.edge_halo.update(candidate.multipliers.force_density);
+}
+
+void MetricSet::keep_strain(double part) { strain_kept_ = part; }
+
+void MetricSet::program_residual(std::span<double> residual) const {
+  constexpr double most_kept = 0.6; // of the limit
+  const double most = most_kept * options_.strain;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    const Vec2 kept =
+        strain_kept_ > 0
+            ? Vec2(
+                  strain_kept_ *
+                  (metric_.at(i, start_->positions).cwiseSqrt().array() - 1.0).cwiseMax(-most).cwiseMin(most))
+            : Vec2(Vec2::Zero());
+    for (int k = 0; k < 2; ++k) {
+      const double length = std::sqrt(metrics_[i][k]);
+      const double value = 2 * scale_[i] * length * (length - 1 - kept[k]);
+      residual[2 * i + k] = can_change(i) ? value - scaled_compliance_[i][k] * mu_[i][k] : 0.0;
+    }
+  }
+}
+
+void MetricSet::program_tolerance(double part_of_limit, std::span<double> tolerance) const {
+  for (std::size_t r = 0; r < tolerance.size(); ++r)
+    tolerance[r] = part_of_limit * options_.strain * 2.0 * scale_[r / 2];
+}
+
+/// The last step's multipliers are in the prediction; of its programs nothing is known.
+void MetricSet::program_guess(std::span<double> guess) const { std::fill(guess.begin(), guess.end(), 0.0); }
+
+void MetricSet::take_rows(std::span<const double> rows) {
+  for (std::size_t r = 0; r < rows.size(); ++r) change_[r / 2][Eigen::Index(r % 2)] = rows[r];
+}
+
+void MetricSet::begin_spread(std::span<const double> z) {
+  take_rows(z);
+  cloth_.mesh.vertex_halo.begin_update(change_);
+}
+
+void MetricSet::end_spread(std::span<Vec3> field) {
+  cloth_.mesh.vertex_halo.end_update(change_);
+  spread_to_edges();
+  subtract_spread(cloth_.mesh, gradients_, edge_values_, field);
+}
+
+void MetricSet::subtract_difference(std::span<const Vec3> u, std::span<double> rows) {
+  for (std::size_t e = 0; e < edge_values_.size(); ++e)
+    edge_values_[e] = difference(cloth_.mesh, gradients_, u, e);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    Vec2 sum = Vec2::Zero();
+    for (const auto& share : metric_.of_vertex(i)) sum += edge_values_[share.edge] * share.weight;
+    for (int k = 0; k < 2; ++k) rows[2 * i + k] -= scale_[i] * sum[k];
+  }
+}
+
+void MetricSet::add(std::span<const double> z) {
+  take_rows(z);
+  cloth_.mesh.vertex_halo.update(change_);
+  add_change();
+}
+
+} // namespace taut

@@ -1,0 +1,225 @@
+#include "src/contact/contact_rows.hpp"
+
+#include "src/contact/friction.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+constexpr double gap_left = 0.1;   ///< by a program, of what a free vertex falls in a step
+constexpr double slip_left = 0.03; ///< the same
+
+} // namespace
+
+ContactRows::ContactRows(ContactScene& scene, const SafeIterate& safe, const Thickness& thickness,
+                         const config::Contact& options, double gravity)
+    : scene_(scene), safe_(safe), thickness_(thickness), options_(options), cones_(scene.obstacles()),
+      gravity_(gravity) {}
+
+void ContactRows::begin(const ContactMemory& memory, double dt, double overlap_kept) {
+  dt_ = dt;
+  overlap_kept_ = overlap_kept;
+  fall_ = gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * dt * dt) : thickness_.smallest();
+  at_home_ = memory;
+  known_.clear();
+}
+
+void ContactRows::make(int iteration) {
+  scene_.gather_target();
+  find_contacts();
+  rows_.clear();
+  if (count_ > 0) recall();
+  for (Local k = 0; k < Local(contacts_.size()); ++k) {
+    add_normal_row(k, iteration);
+    add_friction_rows(k, iteration);
+  }
+}
+
+void ContactRows::find_contacts() {
+  contacts_.clear();
+  for (std::size_t k = 0; k < scene_.search.pairs().size(); ++k) {
+    const Pair& pair = scene_.search.pairs()[k];
+    const Approach& here = safe_.approach_of(k);
+    add_contact(pair, here);
+    const bool is_round = pair.body >= 0 && scene_.obstacles().body(pair.body).is_round;
+    if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, here);
+  }
+  leave_each_once();
+  count_ = sum_over(scene_.cloth().mesh.comm, Global(contacts_.size()));
+}
+
+/// Several pairs may have found the same contact.
+void ContactRows::leave_each_once() {
+  std::vector<std::pair<ContactKey, std::size_t>> order;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) order.emplace_back(contacts_[k].key, k);
+  std::sort(order.begin(), order.end());
+  std::vector<Contact> once;
+  for (const auto& [key, k] : order)
+    if (once.empty() || once.back().key != key) once.push_back(contacts_[k]);
+  contacts_ = std::move(once);
+}
+
+/// The gap at other positions, as far as the features keep their direction.
+double ContactRows::gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const {
+  Vec3 between = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) between += here.weights[i] * field[pair.vertices[i]];
+  return here.normal.dot(between) - pair.radius;
+}
+
+double ContactRows::gap_wanted(const Pair& pair, const Approach& here) const {
+  const double thickness = thickness_.of(pair, scene_.search.keys());
+  if (overlap_kept_ == 0) return thickness;
+  return thickness - overlap_kept_ * std::max(0.0, thickness - gap_along(pair, here, scene_.start_field()));
+}
+
+/// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
+/// but friction then chatters: the capstan's force comes out half as large again.)
+void ContactRows::add_contact(const Pair& pair, const Approach& here) {
+  const std::span<const Global> keys = scene_.search.keys();
+  const double gap = gap_along(pair, here, scene_.target_field());
+  const bool is_near = std::min(gap, here.gap) < thickness_.near(pair, keys);
+  if (!is_near && !safe_.was_stopped()) return;
+  const bool inside =
+      here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
+  const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
+      (pair.kind == PairKind::edge_edge && !inside) ||
+      (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own()));
+  if ((!is_near || is_covered) && !safe_.was_stopped_by(pair)) return;
+  const double yields = scene_.inverse_effective_mass(pair, here.weights);
+  if (yields == 0) return; // nothing here can be moved
+  contacts_.push_back({pair.vertices, here.weights, here.normal, yields, gap_wanted(pair, here) - gap,
+                       key_of(pair, here, keys), friction_of(pair, scene_.obstacles(), options_), pair.body});
+}
+
+/// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
+/// alone is in the pairs: without a row of their own, what pulls them in goes unopposed. (Along a capsule
+/// edges of cloth are in the pairs; with rows of vertices beside theirs the capstan's force came out larger.)
+void ContactRows::add_corners(const Pair& pair, const Approach& here) {
+  for (int i = 1; i < 4; ++i) {
+    if (here.weights[i] == -1) continue; // the pair is this contact
+    Pair corner = pair;
+    corner.kind = PairKind::vertex_edge; // an edge of no length
+    std::fill(corner.vertices.begin() + 1, corner.vertices.end(), pair.vertices[i]);
+    const Approach alone = approach(corner, at(corner, safe_.field()));
+    const double gap = std::min(alone.gap, gap_along(corner, alone, scene_.target_field()));
+    if (gap < thickness_.of(pair, scene_.search.keys())) add_contact(corner, alone);
+  }
+}
+
+/// Fetches what the last step left of contacts that are the first time in this one, and lets them start from
+/// it.
+void ContactRows::recall() {
+  std::vector<ContactKey> keys;
+  records_.clear();
+  for (const Contact& contact : contacts_) {
+    const auto [record, is_new] = known_.try_emplace(contact.key);
+    records_.push_back(&record->second); // stays where it is
+    if (is_new) keys.push_back(contact.key);
+  }
+  for (const auto& [key, entry] : hand_out(scene_.cloth().mesh, at_home_, keys))
+    known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed};
+}
+
+void ContactRows::add_normal_row(Local k, int iteration) {
+  const Contact& contact = contacts_[k];
+  const ContactRecord& record = *records_[k];
+  const double so_far = record.impulse.normal;
+  const double before = record.before ? dt_ * dt_ * record.before->normal : 0.0;
+  const double guess = iteration == 1 ? std::max(-so_far, before - so_far) : 0.0;
+  rows_.push_back({k, true, contact.normal, contact.violation, -so_far, HUGE_VAL, gap_left * fall_, guess});
+}
+
+/// m by which the features slip over the step, without what changes their gap.
+Vec3 ContactRows::slip_of(const Contact& contact) const {
+  const auto from = scene_.start_field(), to = scene_.target_field();
+  Vec3 slip = Vec3::Zero();
+  for (int i = 0; i < 4; ++i)
+    slip += contact.weights[i] * (to[contact.vertices[i]] - from[contact.vertices[i]]);
+  slip -= scene_.spin(contact.body, contact.normal);
+  return slip - contact.normal.dot(slip) * contact.normal;
+}
+
+/// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force for what
+/// pressed it before this iteration. The first is along the force that it would take; the second gets what
+/// that leaves of Coulomb's cone, which is nothing where the contact slides.
+void ContactRows::add_friction_rows(Local k, int iteration) {
+  const Contact& contact = contacts_[k];
+  const ContactRecord& record = *records_[k];
+  const ContactImpulse before = record.before ? record.before->scaled(dt_ * dt_) : ContactImpulse{};
+  double pressing = record.impulse.normal;
+  if (iteration == 1) // a new contact is going to be pressed by what it takes to stop it
+    pressing =
+        record.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
+  const double most = contact.friction * pressing;
+  if (most <= 0) return;
+  const Vec3 slip = slip_of(contact);
+  const Vec3 rubbed = record.impulse.tangent;
+  const Vec3 needed = rubbed - slip / contact.inverse_effective_mass;
+  const Vec3 first = needed.norm() * contact.inverse_effective_mass > 1e-12 ? Vec3(needed.normalized())
+                                                                            : contact.normal.unitOrthogonal();
+  const double rest = std::sqrt(std::max(0.0, most * most - needed.squaredNorm()));
+  for (const auto& [tangent, bound] : {std::pair{first, most}, {Vec3(contact.normal.cross(first)), rest}}) {
+    const double so_far = tangent.dot(rubbed);
+    const double guess = iteration == 1 ? tangent.dot(before.tangent) - so_far : 0.0;
+    if (bound > 0 || so_far != 0)
+      rows_.push_back(
+          {k, false, tangent, -tangent.dot(slip), -bound - so_far, bound - so_far, slip_left * fall_, guess});
+  }
+}
+
+void ContactRows::add(std::span<const double> z) {
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    ContactImpulse& impulse = records_[rows_[k].contact]->impulse;
+    if (rows_[k].is_normal)
+      impulse.normal = std::max(0.0, impulse.normal + z[k]);
+    else
+      impulse.tangent += z[k] * rows_[k].direction;
+  }
+}
+
+/// Per dt^2, newtons: what has pressed a contact in this step, and what of it lasts.
+ContactEntry ContactRows::entry_of(const ContactRecord& record) const {
+  const ContactImpulse now = record.impulse.scaled(1 / (dt_ * dt_));
+  return {now, record.before ? lasting(*record.before, now) : ContactImpulse{}};
+}
+
+void ContactRows::report_forces(Candidate& candidate) const {
+  auto &carried_forces = candidate.multipliers.carried_contact_force,
+       &forces = candidate.reported.contact_force;
+  std::fill(carried_forces.begin(), carried_forces.end(), Vec3::Zero());
+  std::fill(forces.begin(), forces.end(), Vec3::Zero());
+  if (count_ == 0) return;
+  const ContactSearch& search = scene_.search;
+  std::vector<Vec3> lasting_part(search.size(), Vec3::Zero()), whole = lasting_part;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = contacts_[k];
+    if (records_[k]->impulse.normal <= 0) continue;
+    const auto [now, carried] = entry_of(*records_[k]);
+    for (int i = 0; i < 4; ++i) {
+      lasting_part[contact.vertices[i]] +=
+          contact.weights[i] * (carried.normal * contact.normal + carried.tangent);
+      whole[contact.vertices[i]] += contact.weights[i] * (now.normal * contact.normal + now.tangent);
+    }
+  }
+  search.accumulate(lasting_part);
+  search.accumulate(whole);
+  std::copy_n(lasting_part.begin(), search.own(), carried_forces.begin());
+  std::copy_n(whole.begin(), search.own(), forces.begin());
+  scene_.cloth().mesh.vertex_halo.update(carried_forces);
+}
+
+ContactMemory ContactRows::memory() const {
+  ContactMemory pressed;
+  pressed.reserve(contacts_.size());
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (records_[k]->impulse.normal > 0)
+      pressed.emplace_hint(pressed.end(), contacts_[k].key, entry_of(*records_[k]));
+  return bring_home(scene_.cloth().mesh, pressed);
+}
+
+} // namespace taut

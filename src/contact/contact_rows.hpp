@@ -1,0 +1,84 @@
+#pragma once
+#include "src/config/case.hpp"
+#include "src/contact/normal_cones.hpp"
+#include "src/contact/safe_iterate.hpp"
+
+#include <unordered_map>
+
+namespace taut {
+
+/// The contacts of a step and their rows in a quadratic program: a normal one that asks for the thickness,
+/// and for a contact that is pressed two of friction. Friction is Coulomb's, implicit: a row for each of two
+/// tangents asks for no slip over the step, with a multiplier of at most the coefficient times the normal one
+/// of the iteration before (in the first iteration, of the step before).
+///
+/// Nothing is remembered here from step to step: what the last one pressed and carried is part of the state
+/// (`Multipliers::contacts`), in newtons, because the next step may be of another size. When a rank makes the
+/// first row of a contact in a step, it fetches the contact's entry from its home; at the end of the step
+/// each rank sends home what its rows pressed. So the memory depends neither on the partition nor on who
+/// found a contact before; two ranks that find the same one share its entry, and what has no row at the end
+/// of a step is forgotten.
+class ContactRows {
+public:
+  /// All must outlive them; `gravity` in m/s^2.
+  ContactRows(ContactScene& scene, const SafeIterate& safe, const Thickness& thickness,
+              const config::Contact& options, double gravity);
+
+  /// For a step over `dt` from where the last one left `memory`; this part of the overlap that it starts with
+  /// may stay. Not collective.
+  void begin(const ContactMemory& memory, double dt, double overlap_kept);
+
+  /// Those of the pairs that are near at the safe iterate or at the target, in iteration `iteration` of the
+  /// step, from 1. Collective.
+  void make(int iteration);
+
+  /// Adds the increments `z` of the rows' multipliers to what the contacts press and rub. Not collective.
+  void add(std::span<const double> z);
+
+  /// What the contacts there are press and carry, as forces on vertices. Collective over neighbours.
+  void report_forces(Candidate& candidate) const;
+
+  /// For the next step, at their homes. Collective.
+  ContactMemory memory() const;
+
+  Global count() const { return count_; } ///< of contacts, over all ranks
+  std::span<const Contact> contacts() const { return contacts_; }
+  std::span<const ContactRow> rows() const { return rows_; }
+
+private:
+  /// What presses and rubs between two features.
+  struct ContactRecord {
+    ContactImpulse impulse;               ///< kg m, by the step's programs and what is carried
+    std::optional<ContactImpulse> before; ///< N, by the last step
+  };
+
+  void find_contacts();
+  void leave_each_once();
+  double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
+  double gap_wanted(const Pair& pair, const Approach& here) const;
+  void add_contact(const Pair& pair, const Approach& here);
+  void add_corners(const Pair& pair, const Approach& here);
+  void recall();
+  void add_normal_row(Local contact, int iteration);
+  void add_friction_rows(Local contact, int iteration);
+  Vec3 slip_of(const Contact& contact) const;
+  ContactEntry entry_of(const ContactRecord& record) const;
+
+  ContactScene& scene_;
+  const SafeIterate& safe_;
+  const Thickness& thickness_;
+  const config::Contact& options_;
+  NormalCones cones_;
+  double gravity_;
+  // of the step in hand
+  double dt_ = 0, overlap_kept_ = 0;
+  double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
+  Global count_ = 0;
+  std::vector<Contact> contacts_;
+  std::vector<ContactRecord*> records_; ///< of the contacts, into `known_`
+  std::vector<ContactRow> rows_;
+  ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
+  std::unordered_map<ContactKey, ContactRecord, HashOfKey> known_; ///< in this step
+};
+
+} // namespace taut

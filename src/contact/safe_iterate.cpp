@@ -1,0 +1,96 @@
+#include "src/contact/safe_iterate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+/// The gap that must be kept on the way.
+double floor_of(double gap, double thickness) {
+  return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
+}
+
+} // namespace
+
+void SafeIterate::begin() {
+  here_ = scene_.start();
+  blocked_.clear();
+}
+
+void SafeIterate::measure_gaps(std::size_t known) {
+  scene_.gather(here_, field_);
+  approaches_.resize(known);
+  for (const Pair& pair : scene_.search.pairs().subspan(known))
+    approaches_.push_back(approach(pair, at(pair, field_)));
+}
+
+double SafeIterate::safe_fraction_to_target() {
+  scene_.gather_target();
+  stuck_.clear();
+  const ContactSearch& search = scene_.search;
+  double alpha = 1;
+  for (std::size_t k = 0; k < search.pairs().size(); ++k) {
+    const Pair& pair = search.pairs()[k];
+    const Four x = at(pair, field_);
+    Four u = at(pair, scene_.target_field());
+    for (int i = 0; i < 4; ++i) u[i] -= x[i];
+    const double gap = approaches_[k].gap;
+    const double part = safe_fraction(pair, x, u, floor_of(gap, thickness_.of(pair, search.keys())));
+    if (part < 1) {
+      blocked_.insert(name_of(pair, search.keys()));
+      stuck_.push_back(Local(k));
+    }
+    alpha = std::min(alpha, part);
+  }
+  return -max_over(scene_.cloth().mesh.comm, -alpha);
+}
+
+void SafeIterate::advance(double fraction) {
+  if (fraction == 1.0) {
+    here_ = scene_.target;
+    return;
+  }
+  for (std::size_t i = 0; i < here_.cloth.size(); ++i)
+    here_.cloth[i] += fraction * (scene_.target.cloth[i] - here_.cloth[i]);
+  for (std::size_t i = 0; i < here_.obstacles.size(); ++i)
+    here_.obstacles[i] += fraction * (scene_.target.obstacles[i] - here_.obstacles[i]);
+}
+
+double SafeIterate::distance_behind() const {
+  double farthest = 0;
+  for (Local i = 0; i < scene_.search.own(); ++i)
+    farthest = std::max(farthest, (scene_.target.cloth[i] - here_.cloth[i]).squaredNorm());
+  return std::sqrt(max_over(scene_.cloth().mesh.comm, farthest));
+}
+
+void SafeIterate::release_stuck() {
+  const ContactSearch& search = scene_.search;
+  std::vector<double> is_stuck(search.size(), 0.0);
+  for (const Local k : stuck_)
+    for (const Local v : search.pairs()[k].vertices) is_stuck[v] = 1;
+  search.accumulate(is_stuck);
+  for (Local i = 0; i < search.own(); ++i)
+    if (is_stuck[i] > 0 && scene_.inverse_mass()[i] > 0) scene_.target.cloth[i] = here_.cloth[i];
+  scene_.cloth().mesh.vertex_halo.update(scene_.target.cloth);
+}
+
+std::string SafeIterate::what_stopped() const {
+  const MPI_Comm comm = scene_.cloth().mesh.comm;
+  std::string mine;
+  if (!stuck_.empty()) {
+    const Pair& pair = scene_.search.pairs()[stuck_.front()];
+    const Vec3& x = field_[pair.vertices[0]];
+    mine = fmt::format("contact with {} at ({:.4g}, {:.4g}, {:.4g}) m",
+                       pair.body >= 0 ? scene_.obstacles().body(pair.body).name : "the cloth itself", x[0],
+                       x[1], x[2]);
+  }
+  const int ranks = size_of(comm);
+  const Global speaker = -max_over(comm, Global(mine.empty() ? -ranks : -rank_of(comm)));
+  return speaker < ranks ? broadcast_text(comm, mine, int(speaker)) : "";
+}
+
+} // namespace taut

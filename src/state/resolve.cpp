@@ -1,0 +1,48 @@
+#include "src/state/resolve.hpp"
+
+#include "src/config/methods.hpp"
+
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+/// In N. Collective.
+double weight_of(const Cloth& cloth, const Vec3& gravity) {
+  double mass = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
+  return sum_over(cloth.mesh.comm, mass) * gravity.norm();
+}
+
+/// The compliance c in 1/N, unless the case says it. It is such that a taut thread which bears the whole
+/// weight W stretches by e = a tenth of the limit: it sags by s with e = 8/3 (s/L)^2 and T = W L/(8 s), so c
+/// = e/T = 4.9 e^(3/2) / W.
+double default_compliance(double strain_limit, double weight) {
+  return weight > 0 ? 4.9 * std::pow(0.1 * strain_limit, 1.5) / weight : 0.0;
+}
+
+config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
+  const config::Constrain constrain = config::constrain_of(input, cloth.mesh.triangles_only);
+  if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
+    throw InputError(
+        input.file.string() +
+        ": inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
+        "keep warp and weft by their edges: choose edges");
+  return constrain;
+}
+
+} // namespace
+
+Resolved resolve(const Case& input, const Cloth& cloth) {
+  Resolved result;
+  result.inextensibility = input.inextensibility;
+  result.weight = weight_of(cloth, input.gravity);
+  config::Inextensibility& limits = result.inextensibility;
+  limits.constrain = constrain_of(input, cloth);
+  if (!limits.compliance) limits.compliance = default_compliance(limits.strain, result.weight);
+  if (config::holds_limit(input)) result.strain_limit = limits.strain;
+  return result;
+}
+
+} // namespace taut

@@ -1,0 +1,16 @@
+#pragma once
+#include "src/state/cloth.hpp"
+
+namespace taut {
+
+/// What a case leaves to the mesh, decided once.
+struct Resolved {
+  config::Inextensibility inextensibility; ///< `constrain` and `compliance` are given
+  std::optional<double> strain_limit;      ///< of every accepted step; none if nothing keeps one
+  double weight = 0;                       ///< of the cloth, N
+};
+
+/// Throws InputError for what the mesh cannot have. Collective.
+Resolved resolve(const Case& input, const Cloth& cloth);
+
+} // namespace taut
