@@ -10,27 +10,25 @@ as measured, and a LogGP model [Alexandrov 1995] of what was counted. The model 
 what was counted on more. Tables and plots go to cases/scaling.
 """
 import argparse
-import csv
 import itertools
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import debian_python  # noqa: F401
 import matplotlib
 import numpy as np
 
-from studies.table import machine, number
+from studies.table import read_rows, write_rows
+from taut import launch
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-MPIRUN = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-n"]
+CASE = launch.find_case("drape")
 PHASES = ("velocity", "projection", "other")  # of a step; what is written and set up is not part of it
 FITTED = 16  # ranks up to which the model is fitted
 LARGE = (1024, 4096)
@@ -40,15 +38,13 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("strong", "weak", "model"))
     parser.add_argument("--quick", action="store_true", help="a small cloth, up to 8 ranks")
-    parser.add_argument("--out", type=Path, default=ROOT / "cases/scaling", help="where tables and plots go")
-    parser.add_argument("--program", type=Path, default=ROOT / "build/taut")
+    parser.add_argument("--out", type=Path, default=launch.ROOT / "cases/scaling", help="where tables and plots go")
+    launch.add_program(parser)
     parser.add_argument("--latency", type=float, default=1.5e-6, help="s a message is under way (1.5e-6)")
     parser.add_argument("--overhead", type=float, default=0.5e-6, help="s a message costs its sender, and its receiver (0.5e-6)")
     parser.add_argument("--bandwidth", type=float, default=12.5e9, help="bytes/s of a rank (12.5e9)")
     parser.add_argument("--side", type=int, help="vertices along a side of the cloth that the model predicts (1000)")
     options = parser.parse_args()
-    if not options.program.is_file():
-        sys.exit(f"scaling: {options.program}: no such program; build it, or name it with --program")
     if min(options.latency, options.overhead) < 0 or options.bandwidth <= 0:
         sys.exit("scaling: latency and overhead cannot be negative, and bandwidth must be above 0")
     options.suffix = "-quick" if options.quick else ""
@@ -56,28 +52,27 @@ def arguments():
     return options
 
 
-def taut(options, ranks, *words):
-    done = subprocess.run([*(MPIRUN + [str(ranks)] if ranks > 1 else []), str(options.program.resolve()), *words], env=ENVIRONMENT,
-                          capture_output=True, text=True)
+def start(options, ranks, *words):
+    done = launch.run(launch.command(options.program, *words, ranks=ranks))
     if done.returncode:
-        sys.exit(f"scaling: {' '.join(words)} on {ranks} ranks: {done.stderr.strip()}")
+        sys.exit(f"scaling: {' '.join(map(str, words))} on {ranks} ranks: {done.stderr.strip()}")
 
 
 def settings(side):
-    return ["--set", f"cloth.grid.vertices=[{side}, {side}]"]
+    return launch.settings({"cloth.grid.vertices": [side, side]})
 
 
 def steps_of(side):
     """Four, as long as the mesh lets them be: 0.7 s over the vertices of a side."""
     end = 4 * 0.7 / side
-    return ["--set", f"time.max_step={0.7 / side}", "--set", f"time.end={end}", "--set", f"time.frame_rate={1 / end}"]
+    return launch.settings({"time.max_step": 0.7 / side, "time.end": end, "time.frame_rate": 1 / end})
 
 
 def figures(options, side, ranks):
     """Of the partition, by `taut partition`."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "figures.json")
-        taut(options, 1, "partition", str(ROOT / "cases/drape/case.yaml"), "--ranks", str(ranks), "--json", str(path), *settings(side))
+        start(options, 1, "partition", CASE, "--ranks", ranks, "--json", path, *settings(side))
         f = json.loads(path.read_text())
     return {"vertices_of_rank": f["vertices"]["mean"], "imbalance_of_vertices": f["imbalance"], "ghosts": f["ghosts"]["mean"],
             "ghost_edges": f["ghost_edges"]["mean"], "neighbours_of_part": f["neighbours"]["mean"],
@@ -88,8 +83,8 @@ def measure(options, side, ranks):
     """A row a phase: means over the ranks of what a step counts, rejected ones included."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "counters.json")
-        taut(options, ranks, "run", str(ROOT / "cases/drape/case.yaml"), "--out", f"{folder}/out", "--counters", str(path),
-             *steps_of(side), "--set", "output.fields=[position]", *settings(side))
+        start(options, ranks, "run", CASE, "--out", f"{folder}/out", "--counters", path, *steps_of(side),
+              *launch.settings({"output.fields": ["position"]}), *settings(side))
         counted = json.loads(path.read_text())
     steps = counted["steps"] + counted["rejected_steps"]
     part = figures(options, side, ranks)
@@ -110,18 +105,13 @@ def measure(options, side, ranks):
 
 def write(path, rows):
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, [*rows[0], "machine"], lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            writer.writerow({**{k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()}, "machine": machine()})
+    write_rows(path, rows)
 
 
 def read(path):
     if not path.exists():
         sys.exit(f"scaling: {path}: no such table; make it with scripts/scaling.py {path.stem.split('-')[0]}")
-    with open(path, newline="") as file:
-        return [{name: number(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    return read_rows(path)
 
 
 def study(options):

@@ -1,23 +1,19 @@
 #!/usr/bin/env python3
-"""Mistakes a user makes, and what Taut says to them: test_bad_input.py LAUNCHER... PROGRAM
+"""Mistakes a user makes, and what Taut says to them: test_bad_input.py [RANKS]
 
 Each mistake ends the program within LIMIT seconds with exit code 2; the message stands on stderr once, however many
 ranks there are, and no file is made, changed or removed.
 """
-import json
 import os
-import signal
-import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 from typing import NamedTuple
 
+from running import Job, Temporary
+from taut import Run
+
 LIMIT = 5  # s
-COMMAND = []  # what starts the program
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_orte_execute_quiet": "1"}
+RANKS = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 
 CASE = """\
 name: small
@@ -263,32 +259,23 @@ def put(folder, files):
 
 
 def run(folder, arguments, limit=LIMIT):
-    """Exit code and stderr. What takes longer than the limit is ended, with all ranks, and fails the test."""
-    process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
-    try:
-        stderr = process.communicate(timeout=limit)[1]
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGTERM)
-        process.communicate()
-        raise AssertionError(f"no end after {limit} s: {' '.join(arguments)}") from None
-    return process.returncode, stderr.strip()
+    """Exit code and stderr."""
+    code, _, stderr = Job(folder, arguments, RANKS).end(limit)
+    return code, stderr
 
 
-class Folder(unittest.TestCase):
+class Folder(Temporary):
     """A test in a folder of its own, which holds the small case."""
 
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
+        super().setUp()
         put(self.folder, {"case.yaml": CASE})
 
     def run_case(self, *options, limit=LIMIT):
         return run(self.folder, ("run", "case.yaml", "--out", "result", *options), limit)
 
     def summary(self):
-        return json.loads((self.folder / "result/summary.json").read_text())
+        return Run(self.folder / "result").summary
 
 
 class Refused(Folder):
@@ -380,7 +367,4 @@ for m in MISTAKES:
     setattr(Refused, f"test_{m.name}", lambda self, mistake=m: self.check(mistake))
 
 if __name__ == "__main__":
-    COMMAND = [word if not os.path.exists(word) else os.path.abspath(word) for word in sys.argv[1:]]
-    if not COMMAND:
-        sys.exit(__doc__)
     unittest.main(argv=sys.argv[:1])

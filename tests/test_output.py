@@ -1,20 +1,12 @@
 #!/usr/bin/env python3
-"""What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
+"""What a run writes is the same on any number of ranks."""
 import json
-import subprocess
-from pathlib import Path
+import unittest
 
-import h5py
 import numpy as np
 
 import running
-
-
-def datasets(path):
-    held = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: held.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    return held
+from taut import Datasets, launch
 
 
 def textured_sheet(turned):
@@ -29,7 +21,7 @@ def textured_sheet(turned):
 class Output(running.Folder):
     def mesh_of(self, ranks, *options):
         run = self.run_case(f"on-{ranks}", "--overwrite", "--set", "time.end=0.05", *options, ranks=ranks)
-        return datasets(run / "mesh.h5")
+        return Datasets(run / "mesh.h5").read_all()
 
     def test_mesh_on_any_ranks(self):
         expected = self.mesh_of(1)
@@ -55,7 +47,7 @@ class Output(running.Folder):
         for turned in (False, True):
             (self.folder / "sheet.obj").write_text(textured_sheet(turned))
             mesh = self.mesh_of(2)
-            found.append({**mesh, **datasets(self.folder / "on-2/frames/frame_000001.h5")})
+            found.append({**mesh, **Datasets(self.folder / "on-2/frames/frame_000001.h5").read_all()})
         plain, turned = found
         self.assertGreater(np.abs(plain["cells/strain_warp"] - plain["cells/strain_weft"]).max(), 1e-4)
         for name in ("yarn", "strain", "tension"):
@@ -101,11 +93,10 @@ class Output(running.Folder):
         self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
 
     def test_a_slurm_job_goes_on_with_its_run(self):
-        job = [Path(__file__).resolve().parent.parent / "scripts/slurm.sh"]
-        environment = {**running.ENVIRONMENT, "TAUT": running.COMMAND[-1], "TAUT_LAUNCH": "env"}  # no srun here
+        environment = {**launch.ENVIRONMENT, "TAUT": launch.PROGRAM, "TAUT_LAUNCH": "env"}  # no srun here
 
         def submit(*words):
-            done = subprocess.run([*job, *words], cwd=self.folder, env=environment, capture_output=True, text=True)
+            done = running.script("slurm.sh", *words, cwd=self.folder, env=environment)
             return done.returncode, done.stdout, done.stderr
         first = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
         self.assertEqual(first[0], 0, first)
@@ -141,4 +132,4 @@ class Start(running.Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

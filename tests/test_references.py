@@ -1,13 +1,10 @@
 #!/usr/bin/env python3
 """What scripts/validate compares with, against values found by other means."""
 import math
-import sys
 import unittest
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "scripts"))
 from validations import catenary, elastica, pendulum
 
 

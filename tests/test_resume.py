@@ -1,17 +1,15 @@
 #!/usr/bin/env python3
-"""Runs that are stopped and go on, as a user sees it: test_resume.py LAUNCHER... PROGRAM
-
-LAUNCHER ends with a number of ranks, which is replaced, as in `mpirun -n 1`.
-"""
-import json
+"""Runs that are stopped and go on, as a user sees it."""
 import os
 import shutil
 import signal
+import unittest
 
 import h5py
 
 import running
 from running import Folder, listed_frames, rows, table
+from taut import Run
 
 # Solved so tightly that what is left to differ between numbers of ranks is far below a micrometre.
 TIGHT = ("--", "-velocity_ksp_rtol", "1e-12", "-projection_ksp_rtol", "1e-12")
@@ -23,7 +21,7 @@ def checkpoints(run):
 
 
 def summary(run):
-    return json.loads((run / "summary.json").read_text())
+    return Run(run).summary
 
 
 class Resume(Folder):
@@ -233,4 +231,4 @@ class Checkpoints(Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

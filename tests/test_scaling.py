@@ -1,66 +1,49 @@
 #!/usr/bin/env python3
-"""scripts/scaling.py in its small version: test_scaling.py PROGRAM"""
-import csv
+"""scripts/scaling.py in its small version."""
 import math
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
-PROGRAM = None
-sys.path.insert(0, str(SCRIPTS))
-
-
-def scaling(folder, *words, program=None):
-    return subprocess.run([sys.executable, SCRIPTS / "scaling.py", *words, "--quick", "--out", folder, "--program", program or PROGRAM],
-                          capture_output=True, text=True)
+import running
+import scaling as script
+from studies.table import read_rows
 
 
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+def scaling(folder, *words):
+    return running.script("scaling.py", *words, "--quick", "--out", folder)
 
 
-class Scaling(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
-
+class Scaling(running.Temporary):
     def test_counts_then_predicts(self):
         for what in ("strong", "weak"):
             done = scaling(self.folder, what)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            self.assertEqual((self.folder / f"{what}-quick.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
-            rows = rows_of(self.folder / f"{what}-quick.csv")
+            self.assertEqual((self.folder / f"{what}-quick.png").read_bytes()[:8], running.PNG)
+            rows = read_rows(self.folder / f"{what}-quick.csv")
             self.assertEqual([int(r["ranks"]) for r in rows if r["phase"] == "velocity"], [1, 2, 4, 8])
             for row in rows:
-                alone = row["ranks"] == "1" or row["phase"] == "other"
+                alone = row["ranks"] == 1 or row["phase"] == "other"
                 self.assertEqual(float(row["messages"]) > 0, not alone)
                 self.assertTrue(row["machine"])
         done = scaling(self.folder, "model")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("messages: off by", (self.folder / "model-quick.txt").read_text())
-        table = {int(r["ranks"]): r for r in rows_of(self.folder / "model-quick.csv")}
+        table = {int(r["ranks"]): r for r in read_rows(self.folder / "model-quick.csv")}
         self.assertEqual(float(table[1]["halos"]), 0)
         self.assertGreater(float(table[4096]["reductions"]), float(table[64]["reductions"]))
         for row in table.values():
             self.assertAlmostEqual(float(row["step"]), sum(float(row[k]) for k in ("work", "halos", "reductions")), delta=1e-6)
         slow = scaling(self.folder, "model", "--latency", "15e-6")
         self.assertEqual(slow.returncode, 0, slow.stderr)
-        self.assertGreater(float(rows_of(self.folder / "model-quick.csv")[-1]["step"]), 2 * float(table[4096]["step"]))
+        self.assertGreater(float(read_rows(self.folder / "model-quick.csv")[-1]["step"]), 2 * float(table[4096]["step"]))
 
     def test_says_what_is_wrong(self):
-        self.assertIn("no such program", scaling(self.folder, "strong", program="nowhere/taut").stderr)
+        self.assertIn("no such program", scaling(self.folder, "strong", "--program", "nowhere/taut").stderr)
         self.assertIn("strong-quick.csv: no such table; make it with scripts/scaling.py strong", scaling(self.folder, "model").stderr)
         self.assertIn("bandwidth must be above 0", scaling(self.folder, "model", "--bandwidth", "0").stderr)
 
 
 class Model(unittest.TestCase):
     def test_finds_the_coefficients_it_was_given(self):
-        import scaling as script
         rows = [{"ranks": p, "iterations": 20.0 + p, "neighbours_of_part": 3.0 + p % 3, "yarn_segments": 40.0} for p in (1, 2, 4, 8, 16)]
         for row in rows:
             row["messages"] = 1.5 * row["iterations"] * row["neighbours_of_part"] + 0.25 * row["iterations"] * math.sqrt(row["ranks"])
@@ -69,11 +52,9 @@ class Model(unittest.TestCase):
         self.assertAlmostEqual(found["iterations x sqrt ranks"], 0.25)
 
     def test_a_count_that_falls_has_no_negative_part(self):
-        import scaling as script
         rows = [{"ranks": p, "iterations": 20.0, "reductions": 50.0 - p} for p in (1, 2, 4, 8)]
         self.assertTrue(all(c >= 0 for c in script.fit("reductions", rows).values()))
 
 
 if __name__ == "__main__":
-    PROGRAM = str(Path(sys.argv[1]).resolve())
-    unittest.main(argv=sys.argv[:1])
+    unittest.main()

@@ -47,5 +47,5 @@ def iterations(start, go_on, sides, ranks, end, print_row):
 
 def mean_of_projections(steps, since):
     """CG iterations of one, over all steps after `since`."""
-    late = [row for row in steps if float(row["time_s"]) > since * (1 + 1e-9)]
-    return sum(float(row["projection_ksp_iterations"]) for row in late) / sum(float(row["projection_iterations"]) for row in late)
+    late = steps["time_s"] > since * (1 + 1e-9)
+    return steps["projection_ksp_iterations"][late].sum() / steps["projection_iterations"][late].sum()

@@ -1,6 +1,6 @@
 """One drop on a sphere with the contact of the papers and with contact inside the projection: what each keeps, and what it costs."""
 from studies import scenes
-from studies.table import Study
+from studies.experiment import Experiment
 
 KEYS = ["model", "vertices_a_side", "end_s"]
 MODELS = {"constraint": {"model": "constraint"}, "impulse, last": {"model": "impulse"},
@@ -18,7 +18,7 @@ def measure(laboratory, point):
     found = run.measures()
     if "steps" in found:
         found |= {"intersections": run.summary["contact"]["intersections"], "strain_asked": 0.01,
-                  "least_gap_m": min(float(gap.min()) for _, gap in run.frames("gaps"))}
+                  "least_gap_m": min(float(frame["gaps"].min()) for frame in run.frames)}
     return found
 
 
@@ -46,5 +46,5 @@ def judge(rows):
     return both == ["constraint"], "; ".join(text)
 
 
-STUDY = Study("contact-models", "only contact inside the projection keeps both: no strain over the limit, no intersection.", KEYS, plan, measure,
+STUDY = Experiment("contact-models", "only contact inside the projection keeps both: no strain over the limit, no intersection.", KEYS, plan, measure,
               draw, judge)

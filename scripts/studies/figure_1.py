@@ -6,8 +6,7 @@ is kept; what Fast Projection makes of the same permission stands beside it.
 import matplotlib.pyplot as plt
 
 from studies import scenes
-from studies.runs import smallest
-from studies.table import Study
+from studies.experiment import Experiment, smallest
 
 METHODS = ["springs", "fast_projection"]
 KEYS = ["method", "strain_asked", "vertices_a_side", "end_s"]
@@ -32,7 +31,7 @@ def measure(laboratory, point):
         if run is None:
             return {"status": "not reached"}
     if run.completed:
-        draw_shape(laboratory.stem, side, run.frames()[-1][1], f"{method}, {100 * strain:g} %")
+        draw_shape(laboratory.stem, side, run.frames[-1].positions, f"{method}, {100 * strain:g} %")
     return {**run.measures(), "stiffness_N": stiffness or ""}
 
 
@@ -74,5 +73,5 @@ def judge(rows):
     return dearer and kept and max(costs) < 2 * min(costs), "\n".join(lines)
 
 
-STUDY = Study("figure-1", "the less strain is permitted, the more springs cost; Fast Projection keeps every limit at nearly one cost.", KEYS, plan,
+STUDY = Experiment("figure-1", "the less strain is permitted, the more springs cost; Fast Projection keeps every limit at nearly one cost.", KEYS, plan,
               measure, draw, judge)

@@ -6,8 +6,8 @@ import statistics
 import subprocess
 
 from studies import scenes
-from studies.runs import ENVIRONMENT
-from studies.table import Study
+from studies.experiment import Experiment
+from taut.launch import ENVIRONMENT
 
 STEPS = [0.02, 0.01, 0.005, 0.0025, 0.00125, 0.000625, 0.0003125]
 KEYS = ["vertices_a_side", "end_s"]
@@ -52,5 +52,5 @@ def judge(rows):
     return order >= 1 and kept, "\n".join(lines)
 
 
-STUDY = Study("figure-3", "what the first iteration leaves of F vanishes with the step, and the iterations after it change it little.",
+STUDY = Experiment("figure-3", "what the first iteration leaves of F vanishes with the step, and the iterations after it change it little.",
               KEYS, plan, measure, draw, judge)

@@ -5,8 +5,7 @@ and solver; only the run with the stiffness found is counted. On a chain incompl
 is the direct one of least overhead.
 """
 from studies import scenes
-from studies.runs import smallest
-from studies.table import Study
+from studies.experiment import Experiment, smallest
 
 SOLVERS = {"fast_projection": ({}, ()), "springs, cg axis": ({}, ()),
            "springs, cg pbjacobi": ({}, ("-velocity_pc_type", "pbjacobi")),
@@ -123,7 +122,7 @@ def judge_b(rows):
     return all(min(band.values()) > 1 for band in bands.values() if band), "\n".join(lines)
 
 
-STUDIES = [Study("figure-4a", "a chain of 80 vertices at a strain of 1 %: Fast Projection is 25 times as fast as implicit springs.",
+STUDIES = [Experiment("figure-4a", "a chain of 80 vertices at a strain of 1 %: Fast Projection is 25 times as fast as implicit springs.",
                  KEYS, plan_a, measure, draw_over("strain_asked", "strain asked for"), judge_a),
-           Study("figure-4b", "at 1 %, Fast Projection is faster than implicit springs at every resolution at which any keep it.",
+           Experiment("figure-4b", "at 1 %, Fast Projection is faster than implicit springs at every resolution at which any keep it.",
                  KEYS, plan_b, measure, draw_over("vertices", "vertices"), judge_b)]

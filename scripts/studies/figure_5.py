@@ -5,8 +5,7 @@ how deep the cloth has fallen, because a cloth that does not fall does not stret
 doubled until the strain is there. In the plots, hollow marks are runs that did not come to their end.
 """
 from studies import scenes
-from studies.runs import smallest
-from studies.table import Study
+from studies.experiment import Experiment, smallest
 
 METHODS = {"fast_projection": {}, "icd": {}, "sap": {}, "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}},
            "rattle": {}, "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
@@ -121,7 +120,7 @@ def judge(rows, key):
 
 
 CLAIM = "constrained methods scale better than strain limiting, and where it is hardest Fast Projection is the fastest"
-STUDIES = [Study("figure-5a", f"over the strain limit, {CLAIM}.", KEYS, plan_a, measure,
+STUDIES = [Experiment("figure-5a", f"over the strain limit, {CLAIM}.", KEYS, plan_a, measure,
                  draw_over("strain_asked", "strain asked for"), lambda rows: judge(rows, "strain_asked")),
-           Study("figure-5b", f"over resolution at 1 %, {CLAIM}.", KEYS, plan_b, measure,
+           Experiment("figure-5b", f"over resolution at 1 %, {CLAIM}.", KEYS, plan_b, measure,
                  draw_over("vertices_a_side", "vertices a side"), lambda rows: judge(rows, "vertices_a_side"))]

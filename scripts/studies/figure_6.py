@@ -3,8 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from studies import scenes
-from studies.runs import rms
-from studies.table import Study
+from studies.experiment import Experiment, rms
 
 KEYS = ["vertices_a_side", "end_s", "max_step_s"]
 
@@ -17,12 +16,18 @@ def measure(laboratory, point):
     side, end, step = (point[key] for key in KEYS)
 
     def frames(method, step_there):
-        return laboratory.whole_run(scenes.drape(side, end, step_there, method=method, strain=0.01)).frames()
+        return laboratory.whole_run(scenes.drape(side, end, step_there, method=method, strain=0.01)).frames
 
     fast, icd, half = frames("fast_projection", step), frames("icd", step), frames("fast_projection", step / 2)
-    draw_shapes(laboratory.stem, side, {"Fast Projection": fast[-1][1], "ICD": icd[-1][1]})
-    return [{"time_s": time, "rms_icd_m": rms(x, y), "max_icd_m": float(np.linalg.norm(x - y, axis=1).max()),
-             "rms_half_step_m": rms(x, z)} for (time, x), (_, y), (_, z) in zip(fast, icd, half)]
+    draw_shapes(laboratory.stem, side, {"Fast Projection": fast[-1].positions, "ICD": icd[-1].positions})
+    return [distances(*frames_then) for frames_then in zip(fast, icd, half)]
+
+
+def distances(fast, icd, half):
+    """Of three frames of one time."""
+    x, y, z = fast.positions, icd.positions, half.positions
+    return {"time_s": fast.time, "rms_icd_m": rms(x, y), "max_icd_m": float(np.linalg.norm(x - y, axis=1).max()),
+            "rms_half_step_m": rms(x, z)}
 
 
 def draw_shapes(stem, side, shapes):
@@ -52,5 +57,5 @@ def judge(rows):
     return last["rms_icd_m"] <= last["rms_half_step_m"], text
 
 
-STUDY = Study("figure-6", "Fast Projection and ICD give similar results: no farther apart than by what halving the step changes.",
+STUDY = Experiment("figure-6", "Fast Projection and ICD give similar results: no farther apart than by what halving the step changes.",
               KEYS, plan, measure, draw, judge)

@@ -1,9 +1,7 @@
 """A scene with all in it [as G07 figures 7 and 8, which say no figures]: a cloth falls on a sphere over a floor, folds and lies on
 itself; strain and intersections of every step."""
-import csv
-
 from studies import scenes
-from studies.table import Study
+from studies.experiment import Experiment
 
 KEYS = ["vertices_a_side", "end_s"]
 
@@ -14,11 +12,11 @@ def plan(quick):
 
 def measure(laboratory, point):
     run = laboratory.whole_run(scenes.sphere(int(point["vertices_a_side"]), point["end_s"]))
-    with open(run.folder / "steps.csv", newline="") as file:
-        steps = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    return [{"time_s": row["time_s"], "strain": row["strain_max"], "contacts": row["contacts"], "projections": row["projection_iterations"],
-             "rejected": row["rejected"], "depth_m": row["depth_m"], "strain_asked": run.summary["strain"]["limit"],
-             "intersections": run.summary["contact"]["intersections"]} for row in steps]
+    columns = {"time_s": "time_s", "strain": "strain_max", "contacts": "contacts", "projections": "projection_iterations",
+               "rejected": "rejected", "depth_m": "depth_m"}
+    asked, intersections = run.summary["strain"]["limit"], run.summary["contact"]["intersections"]
+    return [{**dict(zip(columns, row)), "strain_asked": asked, "intersections": intersections}
+            for row in zip(*(run.steps[name] for name in columns.values()))]
 
 
 def draw(axes, rows):
@@ -38,5 +36,5 @@ def judge(rows):
     return strain <= limit and rows[0]["intersections"] == 0, text
 
 
-STUDY = Study("figure-7", "strain stays within the limit, and nothing intersects, in a scene with contact of all kinds.", KEYS, plan, measure,
+STUDY = Experiment("figure-7", "strain stays within the limit, and nothing intersects, in a scene with contact of all kinds.", KEYS, plan, measure,
               draw, judge)

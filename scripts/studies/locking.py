@@ -1,8 +1,7 @@
 """One drape on quads, on triangles by all their edges, and on triangles by warp and weft averaged at vertices: which of
 them keep the cloth from folding."""
 from studies import scenes
-from studies.runs import rms
-from studies.table import Study
+from studies.experiment import Experiment, rms
 
 MESHES = {"quads": ("quads", "edges"), "triangles by edges": ("alternating_triangles", "edges"),
           "triangles by vertices": ("alternating_triangles", "vertices"),
@@ -26,7 +25,7 @@ def measure(laboratory, point):
     run, quads = laboratory.run(scene(point, point["mesh"])), laboratory.run(scene(point, "quads"))
     row = run.measures()
     if run.completed and quads.completed:
-        row["rms_to_quads_m"] = rms(run.frames()[-1][1], quads.frames()[-1][1])
+        row["rms_to_quads_m"] = rms(run.frames[-1].positions, quads.frames[-1].positions)
     if run.summary and run.summary["strain"]["faces_max"] is not None:
         row["face_strain"] = run.summary["strain"]["faces_max"]
     return row
@@ -73,5 +72,5 @@ def judge(rows):
     return locked and free and farther, "\n".join(map(told, rows))
 
 
-STUDY = Study("locking", "triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft "
+STUDY = Experiment("locking", "triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft "
               "averaged at vertices do.", KEYS, plan, measure, draw, judge)

@@ -3,8 +3,7 @@
 The finest grid, which costs most of the study, runs for a shorter time; pairs are judged at the last time of all.
 """
 from studies import scenes
-from studies.runs import rms
-from studies.table import Study
+from studies.experiment import Experiment, rms
 
 KEYS = ["vertices_a_side", "finer", "end_s", "max_step_s"]
 
@@ -20,7 +19,7 @@ def measure(laboratory, point):
     def shapes(side):
         run = laboratory.whole_run(scenes.drape(side, end, step, strain=0.01))
         every = (side - 1) // (coarse - 1)
-        return [(time, x.reshape(side, side, 3)[::every, ::every].reshape(-1, 3)) for time, x in run.frames()]
+        return [(frame.time, frame.positions.reshape(side, side, 3)[::every, ::every].reshape(-1, 3)) for frame in run.frames]
 
     return [{"time_s": time, "rms_m": rms(x, y)} for (time, x), (_, y) in zip(shapes(coarse), shapes(fine))]
 
@@ -50,4 +49,4 @@ def judge(rows):
     return all(a > b for a, b in zip(distances, distances[1:])), "\n".join(lines)
 
 
-STUDY = Study("resolution", "shapes at rising resolution converge to one.", KEYS, plan, measure, draw, judge)
+STUDY = Experiment("resolution", "shapes at rising resolution converge to one.", KEYS, plan, measure, draw, judge)

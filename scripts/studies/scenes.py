@@ -3,7 +3,7 @@ import copy
 
 import yaml
 
-from studies.runs import ROOT
+from taut.launch import ROOT
 
 
 def drape(vertices, end, step, **inextensibility):

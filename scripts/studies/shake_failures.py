@@ -4,8 +4,8 @@ import json
 import subprocess
 
 from studies import scenes
-from studies.runs import ENVIRONMENT
-from studies.table import Study
+from studies.experiment import Experiment
+from taut.launch import ENVIRONMENT
 
 TOYS = ["Q1NoSolution", "Q2SingularThoughThereAreSolutions", "Q3DependentGradients", "Q4RedundantConstraints"]
 METHODS = {"shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}}, "icd": {}, "fast_projection": {}}
@@ -60,5 +60,5 @@ def judge(rows):
     return all(row["status"] == "as in the paper" for row in toys), "\n".join(lines)
 
 
-STUDY = Study("shake-failures", "SHAKE fails in four cases (Q1-Q4); ICD solves Q1, Q2 and Q4 as they are, and Q3 in half the step.",
+STUDY = Experiment("shake-failures", "SHAKE fails in four cases (Q1-Q4); ICD solves Q1, Q2 and Q4 as they are, and Q3 in half the step.",
               KEYS, plan, measure, draw, judge)

@@ -1,13 +1,18 @@
-"""How the program is started: on one rank as it is, on more by mpirun."""
+"""How the program is started: on one rank as it is, on more by mpirun.
+
+The variable TAUT names another program than build/taut, TAUT_LAUNCH what stands before -n RANKS.
+"""
 import argparse
 import json
 import os
+import shlex
 import signal
 import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-MPIRUN = ("mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1")
+PROGRAM = Path(os.environ.get("TAUT", ROOT / "build/taut")).resolve()
+LAUNCHER = shlex.split(os.environ.get("TAUT_LAUNCH", "mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"))
 
 
 def variables():
@@ -20,9 +25,9 @@ def variables():
 ENVIRONMENT = {**variables(), "OMPI_MCA_orte_execute_quiet": "1", **os.environ}
 
 
-def command(program, *words, ranks=1, launcher=MPIRUN):
+def command(program, *words, ranks=1):
     """The words that start `program`, with `words`, on so many ranks; one needs no launcher."""
-    return [*((*launcher, "-n", str(ranks)) if ranks > 1 else ()), *map(str, (program, *words))]
+    return [*((*LAUNCHER, "-n", str(ranks)) if ranks > 1 else ()), *map(str, (program, *words))]
 
 
 def run(words, limit=None, **options):
@@ -52,7 +57,7 @@ def program(text):
 
 
 def add_program(parser):
-    parser.add_argument("--program", type=program, default=str(ROOT / "build/taut"), help="default: build/taut")
+    parser.add_argument("--program", type=program, default=str(PROGRAM), help="default: %(default)s")
 
 
 def find_case(text):

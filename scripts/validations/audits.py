@@ -1,9 +1,10 @@
 """Momentum, angular momentum and energy, where physics or the integrator says what becomes of them."""
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["audit", "method"]
 SIDE, SIZE, DENSITY, STEP, RELEASE = 9, 0.5, 0.2, 0.004, 0.1
@@ -50,12 +51,12 @@ def masses():
     return (MASS / (SIDE - 1) ** 2 * np.outer(ends, ends)).ravel()[:, None]
 
 
-def energies(rows):
-    return [sum(value for name, value in row.items() if name.endswith("_J")) for row in rows]
+def energies(steps):
+    return sum(values for name, values in steps.items() if name.endswith("_J"))
 
 
 def growth(energy):
-    return max(0.0, *(after - before for before, after in zip(energy, energy[1:])))
+    return max(0.0, *np.diff(energy))
 
 
 def flight(laboratory, method, material, carried):
@@ -63,14 +64,15 @@ def flight(laboratory, method, material, carried):
     L' = L + h sum m v' x v is violated. That holds for impulses along the edges as they are at the end of the step; bending,
     shear and the tension carried into the step have forces of the candidate."""
     run = laboratory.whole_run(thrown(method, material, carried))
-    x, v = ([field for _, field in run.frames(name)][round(RELEASE / STEP) + 1:] for name in ("positions", "velocities"))
+    frames = run.frames[round(RELEASE / STEP) + 1:]
+    x, v = ([frame[name] for frame in frames] for name in ("positions", "velocities"))
     m = masses()
     linear = np.array([(m * now).sum(axis=0) for now in v])
     angular = np.array([np.cross(at, m * now).sum(axis=0) for at, now in zip(x, v)])
     gained = STEP * np.array([np.cross(then, m * now).sum(axis=0) for now, then in zip(v, v[1:])])
     violated = np.abs(np.diff(angular, axis=0) - gained).max() / np.linalg.norm(angular, axis=1).max()
-    free = [row for row in run.steps() if row["time_s"] > RELEASE + STEP / 2]
-    energy, whole_steps = energies(free), all(row["rejected"] == 0 for row in free)
+    free = run.steps["time_s"] > RELEASE + STEP / 2
+    energy, whole_steps = energies(run.steps)[free], not run.steps["rejected"][free].any()
     return {"linear": float(np.abs(linear - linear[0]).max() / np.linalg.norm(linear[0])), "growth": growth(energy) / energy[0],
             "angular": float(violated) if whole_steps else float("nan")}  # else a frame is not a step
 
@@ -79,7 +81,7 @@ def damped_fall(laboratory, method):
     """A sheet let go while two corners that are not neighbours are held."""
     case = {"cloth": cloth(method, {"bending": 1e-4, "shear": 10}, mass=1, stiffness=0.01), "pins": [{"vertices": [0, SIDE * SIDE - 1]}],
             "inextensibility": inextensibility(method), "time": cases.steps_of(1, STEP)}
-    return {"linear": float("nan"), "growth": growth(energies(laboratory.whole_run(case).steps())) / (MASS * G * SIZE),
+    return {"linear": float("nan"), "growth": growth(energies(laboratory.whole_run(case).steps)) / (MASS * G * SIZE),
             "angular": float("nan")}
 
 
@@ -120,7 +122,7 @@ def draw(axes, rows):
     axes.legend(fontsize=6, ncols=2)
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "audits",
     "A sheet thrown and let go where there is no gravity, and one that falls with damping: momentum, angular "
     "momentum, energy.",

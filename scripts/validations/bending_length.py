@@ -1,9 +1,10 @@
 """ASTM D1388 on the named fabrics: the overhang at which a strip reaches down by 41.5 degrees; half of it is the bending length."""
 import math
 
+from studies.experiment import Experiment
 from validations import cases, elastica, fabrics
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["fabric", "overhang_ratio"]
 ANGLE = 41.5  # degrees
@@ -59,7 +60,7 @@ def draw(axes, rows):
     axes.set_ylabel("half the overhang at 41.5 degrees, mm")
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "bending-length",
     "The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
     "make.",

@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases, elastica
 from validations.cases import G
-from validations.checks import Check, Validation, band
+from validations.checks import Check, band
 
 KEYS = ["gamma", "bending_model", "cells", "along", "step_s"]
 LENGTH, COARSE, FINE = 0.2, 21, 41  # m; vertices along the strip
@@ -73,7 +74,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "cantilever",
     "A strip of 0.2 m clamped at one end, at rest under its own weight and at 1 % strain: the master curve of H/W "
     "over gamma.",

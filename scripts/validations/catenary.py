@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases, strips
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["method"]
 LINKS, LENGTH, SPAN, RISE, DENSITY = 40, 1.0, 0.7, 0.2, 0.2  # m, kg/m
@@ -71,9 +72,9 @@ def measure(laboratory, point):
             "inextensibility": {"method": method, **inextensibility(method)}, "time": cases.steps_of(4, 0.01)}
     run = laboratory.whole_run(case)
     expected, tension = equilibrium(1 / SPRINGS if method == "springs" else 0.0)
-    found = {"distance_m": float(np.abs(run.last()[:, [0, 2]] - expected).max()), "strain": run.steps()[-1]["strain_max"]}
+    found = {"distance_m": float(np.abs(run.frames[-1].positions[:, [0, 2]] - expected).max()), "strain": run.steps["strain_max"][-1]}
     if method in KNOW_TENSION:
-        found["tension_error"] = float(np.abs(run.last("tension") / tension - 1).max())
+        found["tension_error"] = float(np.abs(run.frames[-1]["tension"] / tension - 1).max())
     return {"tension_error": math.nan, **found}
 
 
@@ -100,7 +101,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "catenary",
     "A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and tensions, "
     "by every method.",

@@ -1,7 +1,7 @@
-"""A validation, its verdicts, and the table of all of them."""
+"""The verdicts of validations, and the table of all of them."""
 import csv
 import math
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 from studies.table import machine
 
@@ -39,16 +39,6 @@ def band(quantity, unit, low, high, measured, reference):
 def unjudged(quantity, unit, measured, reason):
     """A value that nothing is known to compare with."""
     return Check(quantity, unit, math.nan, math.nan, measured, reason)
-
-
-class Validation(NamedTuple):
-    name: str
-    about: str  # what is compared, and with what
-    keys: list  # the columns that tell the points of the plan apart
-    plan: Callable  # (quick) -> points: dicts with the keys
-    measure: Callable  # (laboratory, point) -> a row, or a list of rows: what was measured there
-    draw: Callable  # (axes, rows)
-    judge: Callable  # (rows) -> checks
 
 
 COLUMNS = ["quantity", "unit", "expected", "measured", "tolerance", "verdict", "reference"]

@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases, fabrics, strips
 from validations.cases import G
-from validations.checks import Validation, band, unjudged
+from validations.checks import band, unjudged
 
 KEYS = ["fabric", "spacing_m", "seed"]
 DISC, SPECIMEN = 0.09, 0.15  # radii, m [BS 5058, ISO 9073-9]
@@ -62,13 +63,13 @@ def measure(laboratory, point):
                       "material": {"damping": {"mass": 8}}},
             "pins": [{"vertices": np.flatnonzero(radius <= DISC).tolist()}], "time": cases.steps_of(3, 0.0025)}
     run = laboratory.whole_run(case)
-    x = run.last()
+    x = run.frames[-1].positions
     whole, disc = len(faces) * point["spacing_m"] ** 2, math.pi * DISC**2
     edge = x[radius > SPECIMEN - point["spacing_m"]]
     around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
     bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
     return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc), "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
-            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps()[-1]["kinetic_J"]}
+            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps["kinetic_J"][-1]}
 
 
 def nodes(radii):
@@ -105,7 +106,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "cusick",
     "Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published bands "
     "of what they are called after.",

@@ -54,5 +54,5 @@ def hangs(laboratory, case):
     run = laboratory.whole_run(case)
     along = case["cloth"]["grid"]["vertices"][0]
     spacing = case["cloth"]["grid"]["size"][0] / (along - 1)
-    x, _, z = run.last().reshape(3, along, 3)[1, -1]
-    return {"drop_m": -z, "reach_m": x - spacing / 2, "kinetic_J": run.steps()[-1]["kinetic_J"]}
+    x, _, z = run.frames[-1].positions.reshape(3, along, 3)[1, -1]
+    return {"drop_m": -z, "reach_m": x - spacing / 2, "kinetic_J": run.steps["kinetic_J"][-1]}

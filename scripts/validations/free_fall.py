@@ -1,7 +1,8 @@
 """A sheet that nothing holds: the sums that each integrator makes of g, to the last digits."""
+from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["integrator", "step_s"]
 END = 0.4  # s
@@ -16,7 +17,7 @@ def measure(laboratory, point):
     step = point["step_s"]
     case = {"cloth": {"grid": {"size": [1, 1], "vertices": [9, 9]}}, **cases.EXACT,
             "time": cases.steps_of(END, step, integrator=point["integrator"])}
-    return {"depth_m": -laboratory.whole_run(case).last()[:, 2].mean()}
+    return {"depth_m": -laboratory.whole_run(case).frames[-1].positions[:, 2].mean()}
 
 
 def of_scheme(row):
@@ -49,7 +50,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "free-fall",
     "A sheet that nothing holds falls as the integrator's own sum says, and so with its order towards g t²/2.",
     KEYS, plan, measure, draw, judge)

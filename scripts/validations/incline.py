@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["friction", "beyond_deg", "step_s"]
 END, THICKNESS = 0.3, 0.001  # s, m
@@ -32,8 +33,8 @@ def measure(laboratory, point):
             "obstacles": [{"plane": {"normal": list(normal)}, "friction": point["friction"]}],
             "contact": {"thickness": THICKNESS, "check": "step"}, "time": cases.steps_of(END, point["step_s"])}
     run = laboratory.whole_run(case)
-    first, last = run.frames()[0][1], run.last()
-    return {"moved_m": float((last - first).mean(axis=0) @ down), "acceleration_m_s2": float(run.last("velocities").mean(axis=0) @ down) / END,
+    first, last = run.frames[0].positions, run.frames[-1].positions
+    return {"moved_m": float((last - first).mean(axis=0) @ down), "acceleration_m_s2": float(run.frames[-1]["velocities"].mean(axis=0) @ down) / END,
             "intersections": run.summary["contact"]["intersections"]}
 
 
@@ -76,7 +77,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "incline",
     "A patch of cloth on an inclined plane sticks up to Coulomb's angle and slides beyond it with Coulomb's "
     "acceleration.",

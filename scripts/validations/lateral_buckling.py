@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases, strips
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["mesh", "spacing_m", "rows", "gamma"]
 LENGTH, DENSITY, DAMPING, END = 0.2, 0.2, 10.0, 3.0  # m, kg/m^2, 1/s, s
@@ -42,7 +43,7 @@ def measure(laboratory, point):
             "inextensibility": {"method": "none"} if point["mesh"] != "quads" else {"strain": 0.01}, "time": cases.steps_of(END, 0.005, 30)}
     run = laboratory.whole_run(case)
     tip = np.flatnonzero(flat[:, 0] > flat[:, 0].max() - 1e-9)
-    times, aside = np.array([(time, x[tip, 1].mean()) for time, x in run.frames()]).T
+    times, aside = np.array([(frame.time, frame.positions[tip, 1].mean()) for frame in run.frames]).T
     late = times > END / 2
     return {"rate_per_s": np.polyfit(times[late], np.log(np.abs(aside[late])), 1)[0], "aside_m": abs(aside[-1]),
             "strain_had": run.summary["strain"]["max"]}
@@ -90,7 +91,7 @@ def draw(axes, rows):
     axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(0, 0.4))
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "lateral-buckling",
     "A strip of 0.2 m, its width upright, on triangles stretched by less than 0.1 % and on quads at 1 % strain: the "
     "weight at which it falls over sideways.",

@@ -1,7 +1,7 @@
 """A square held by two corners that are brought together, at rest, on finer and finer meshes."""
-from studies.runs import rms
+from studies.experiment import Experiment, rms
 from validations import cases
-from validations.checks import Check, Validation, band, unjudged
+from validations.checks import Check, band, unjudged
 
 KEYS = ["cells", "vertices_a_side"]
 SIDES = (11, 21, 41)
@@ -20,14 +20,14 @@ def shape(laboratory, cells, side):
             "inextensibility": {"strain": 1e-3, "max_iterations": 50}, "time": cases.steps_of(4, 0.0025)}
     run = laboratory.whole_run(case)
     every = (side - 1) // (SIDES[0] - 1)
-    return run.last().reshape(side, side, 3)[::every, ::every].reshape(-1, 3), run
+    return run.frames[-1].positions.reshape(side, side, 3)[::every, ::every].reshape(-1, 3), run
 
 
 def measure(laboratory, point):
     """The distance to the next finer mesh."""
     side = int(point["vertices_a_side"])
     (coarse, run), (fine, _) = (shape(laboratory, point["cells"], n) for n in (side, 2 * side - 1))
-    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps()[-1]["kinetic_J"], "rejected": run.summary["rejected_steps"]}
+    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps["kinetic_J"][-1], "rejected": run.summary["rejected_steps"]}
 
 
 def judge(rows):
@@ -51,7 +51,7 @@ def draw(axes, rows):
     axes.set_ylabel("RMS distance to the next finer mesh, mm")
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "mesh-convergence",
     "A square of 1 m held by two corners 0.8 m apart, at rest: distance between its shapes on one mesh and the next "
     "finer one.",

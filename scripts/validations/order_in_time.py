@@ -1,7 +1,7 @@
 """A sheet held by one side, on one mesh with steps halved again and again: the order in which its end shape converges."""
-from studies.runs import rms
+from studies.experiment import Experiment, rms
 from validations import cases
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["forces", "integrator", "halvings"]
 END, FIRST, SIDE = 0.24, 0.008, 9  # s, s
@@ -25,7 +25,7 @@ def shape(laboratory, forces, integrator, step):
             "velocity": {"solver": "mumps"}, "time": cases.steps_of(END, step, integrator=integrator),
             "inextensibility": {"method": "none"} if "stretch" in forces else EDGES_KEPT}
     run = laboratory.whole_run(case)
-    return run.last(), run.summary["rejected_steps"]
+    return run.frames[-1].positions, run.summary["rejected_steps"]
 
 
 def measure(laboratory, point):
@@ -59,7 +59,7 @@ def draw(axes, rows):
     axes.legend(fontsize=7)
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "order-in-time",
     "A sheet held by one side, its mesh fixed, no step rejected: distance between the shapes after 0.24 s with "
     "steps h and h/2.",

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
+from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
 KEYS = ["integrator", "start_rad", "step_s"]
 FREQUENCY = math.sqrt(G)  # of a small swing of 1 m, 1/s
@@ -25,8 +26,9 @@ def measure(laboratory, point):
                       "start": {"rotate": {"axis": [0, 1, 0], "angle": math.pi / 2 - point["start_rad"]}}},
             "pins": [{"vertices": [0]}], **cases.EXACT,
             "time": cases.steps_of(6, point["step_s"], 6 * RATE, integrator=point["integrator"])}
-    x = [(time, x[1]) for time, x in laboratory.whole_run(case).frames()]
-    times, angles = np.array([t for t, _ in x]), np.array([math.atan2(end[0], -end[2]) for _, end in x])
+    frames = laboratory.whole_run(case).frames
+    ends = [frame.positions[1] for frame in frames]
+    times, angles = np.array([frame.time for frame in frames]), np.array([math.atan2(x, -z) for x, _, z in ends])
     return small_swing(angles) if point["start_rad"] < 0.1 else {"period_s": period(times, angles)}
 
 
@@ -92,7 +94,7 @@ def draw(axes, rows):
     axes.legend()
 
 
-VALIDATION = Validation(
+VALIDATION = Experiment(
     "pendulum",
     "Period and amplitude of small swings against the roots of the integrators; a large swing against the elliptic "
     "integral.",
