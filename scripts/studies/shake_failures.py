@@ -1,4 +1,4 @@
-"""The four ways in which SHAKE fails [G07 section 4.1], by the cases of tests/test_constrained, and how often it does
+"""The four ways in which SHAKE fails [G07 section 4.1], by the cases of tests/filters/test_constrained, and how often it does
 so on a drape: attempts rejected and the steps it comes down to, next to the other methods."""
 import json
 import subprocess
