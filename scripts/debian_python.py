@@ -6,7 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-PACKAGES = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "yaml": "python3-yaml"}
+PACKAGES = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy",
+            "yaml": "python3-yaml"}
 DEBIAN = "/usr/bin/python3"
 
 
@@ -21,7 +22,8 @@ def install():
 
 
 if missing():
-    if sys.prefix != "/usr" and os.path.exists(DEBIAN):  # another Python, or a virtual environment, is first in the PATH
+    # another Python, or a virtual environment, is first in the PATH
+    if sys.prefix != "/usr" and os.path.exists(DEBIAN):
         os.execv(DEBIAN, [DEBIAN, *sys.argv])
     install()
     if missing():

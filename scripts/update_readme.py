@@ -15,7 +15,8 @@ launch.add_program(parser)
 options = parser.parse_args()
 readme = launch.ROOT / "README.md"
 old = readme.read_text()
-table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True, text=True).stdout.strip()
+table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True,
+                       text=True).stdout.strip()
 begin, end = "<!-- made by scripts/update_readme.py from `taut schema --table` -->", "<!-- end -->"
 new = re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: f"{begin}\n{table}\n{end}", old, flags=re.S)
 if not options.check:

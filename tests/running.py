@@ -25,7 +25,8 @@ PNG = b"\x89PNG\r\n\x1a\n"  # how such a file begins
 
 def script(name, *arguments, **options):
     """What a script said, once it has come to its end."""
-    return subprocess.run([launch.ROOT / "scripts" / name, *map(str, arguments)], capture_output=True, text=True, **options)
+    return subprocess.run([launch.ROOT / "scripts" / name, *map(str, arguments)], capture_output=True, text=True,
+                          **options)
 
 
 class Job:
@@ -33,7 +34,8 @@ class Job:
 
     def __init__(self, folder, arguments, ranks=1):
         self.words = launch.command(launch.PROGRAM, *arguments, ranks=ranks)
-        self.process = subprocess.Popen(self.words, cwd=folder, env=launch.ENVIRONMENT, text=True, stdout=subprocess.PIPE,
+        self.process = subprocess.Popen(self.words, cwd=folder, env=launch.ENVIRONMENT, text=True,
+                                        stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, start_new_session=True)
 
     def end(self, limit=60):
@@ -102,7 +104,8 @@ def rows(run):
 
 def table(run):
     """steps.csv without what the clock says."""
-    return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s")} for row in Run(run).read_steps()[1]]
+    return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s")}
+            for row in Run(run).read_steps()[1]]
 
 
 def listed_frames(run):

@@ -109,7 +109,8 @@ class Laboratory:
         known = json.dumps([case, petsc])
         if known not in self.runs:
             folder = self.path(f"run{len(self.runs)}")
-            words = ["run", self.write(case), "--out", folder, "--progress", "lines", *(["--", *petsc] if petsc else [])]
+            words = ["run", self.write(case), "--out", folder, "--progress", "lines",
+                     *(["--", *petsc] if petsc else [])]
             self.finish(subprocess.Popen(launch.command(self.program, *words, ranks=self.ranks), env=launch.ENVIRONMENT,
                                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
             self.runs[known] = Trial(folder)

@@ -16,7 +16,8 @@ def plan(quick):
 
 def scene(point, mesh):
     cells, constrain = MESHES[mesh]
-    case = scenes.drape(int(point["vertices_a_side"]), point["end_s"], point["max_step_s"], constrain=constrain, strain=0.01)
+    case = scenes.drape(int(point["vertices_a_side"]), point["end_s"], point["max_step_s"], constrain=constrain,
+                        strain=0.01)
     case["cloth"]["grid"]["cells"] = cells
     return case
 
@@ -38,10 +39,12 @@ def of_mesh(rows, mesh):
 def draw(axes, rows):
     for mesh in MESHES:
         found = of_mesh(rows, mesh)
-        line, = axes.semilogy([row["vertices_a_side"] for row in found], [(row["steps"] + row["rejected"]) / row["simulated_s"] for row in found],
+        line, = axes.semilogy([row["vertices_a_side"] for row in found],
+                              [(row["steps"] + row["rejected"]) / row["simulated_s"] for row in found],
                               "o-", label=mesh)
         stopped = [row for row in found if row["status"] != "completed"]
-        axes.plot([row["vertices_a_side"] for row in stopped], [(row["steps"] + row["rejected"]) / row["simulated_s"] for row in stopped], "o",
+        axes.plot([row["vertices_a_side"] for row in stopped], [(row["steps"] + row["rejected"]) / row["simulated_s"]
+                                                                for row in stopped], "o",
                   color=line.get_color(), markerfacecolor="white")
     axes.set_xlabel("vertices a side")
     axes.set_ylabel("steps tried per simulated second")
@@ -49,7 +52,8 @@ def draw(axes, rows):
 
 
 def told(row):
-    text = (f"{row['mesh']}, {row['vertices_a_side']:g} a side: {row['status']} at {row['simulated_s']:g} s, {row['steps']:g} steps, "
+    text = (f"{row['mesh']}, {row['vertices_a_side']:g} a side: {row['status']} at {row['simulated_s']:g} s, "
+            f"{row['steps']:g} steps, "
             f"{row['rejected']:g} rejected, strain {100 * row['strain_had']:.2f} %")
     if row.get("face_strain") not in (None, ""):
         text += f" (of single triangles {100 * row['face_strain']:.2f} %)"
@@ -62,15 +66,22 @@ def judge(rows):
     """By vertices no more than twice the steps of quads, and by edges more; and where both came to the end, by edges
     farther from the quads."""
     def steps(mesh):
-        return {row["vertices_a_side"]: (row["steps"] + row["rejected"]) / row["simulated_s"] for row in of_mesh(rows, mesh)}
+        return {row["vertices_a_side"]: (row["steps"] + row["rejected"]) / row["simulated_s"]
+                for row in of_mesh(rows, mesh)}
 
     quads = steps("quads")
     locked = all(count > 2 * quads[side] for side, count in steps("triangles by edges").items())
-    free = all(count < 2 * quads[side] for mesh in MESHES if mesh.endswith("by vertices") for side, count in steps(mesh).items())
-    away = {(row["mesh"], row["vertices_a_side"]): row["rms_to_quads_m"] for row in rows if row["status"] == "completed"}
-    farther = all(d > away["triangles by vertices", side] for (mesh, side), d in away.items() if mesh == "triangles by edges")
+    free = all(count < 2 * quads[side] for mesh in MESHES if mesh.endswith("by vertices")
+               for side, count in steps(mesh).items())
+    away = {(row["mesh"], row["vertices_a_side"]): row["rms_to_quads_m"] for row in rows
+            if row["status"] == "completed"}
+    farther = all(d > away["triangles by vertices", side] for (mesh, side), d in away.items()
+                  if mesh == "triangles by edges")
     return locked and free and farther, "\n".join(map(told, rows))
 
 
-STUDY = Experiment("locking", "triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft "
-              "averaged at vertices do.", KEYS, plan, measure, draw, judge)
+STUDY = Experiment(
+    "locking",
+    "triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft averaged at "
+    "vertices do.",
+    KEYS, plan, measure, draw, judge)

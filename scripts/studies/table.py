@@ -42,7 +42,8 @@ def write_rows(path, rows):
 
 
 class Table:
-    """Rows by the points they were measured at. Cells are compared as they stand in the file, so that a point is found again."""
+    """Rows by the points they were measured at. Cells are compared as they stand in the file, so that a point is found
+    again."""
 
     def __init__(self, path, keys):
         self.path, self.keys = path, keys
@@ -53,5 +54,6 @@ class Table:
         return any(all(row[key] == wanted[key] for key in self.keys) for row in self.rows)
 
     def add(self, rows):
-        self.rows += [{name: number(cell(value)) for name, value in {**row, "machine": machine()}.items()} for row in rows]
+        self.rows += [{name: number(cell(value)) for name, value in {**row, "machine": machine()}.items()}
+                      for row in rows]
         write_rows(self.path, self.rows)

@@ -12,7 +12,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("TAUT", ROOT / "build/taut")).resolve()
-LAUNCHER = shlex.split(os.environ.get("TAUT_LAUNCH", "mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"))
+LAUNCHER = shlex.split(os.environ.get("TAUT_LAUNCH",
+                                      "mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"))
 
 
 def variables():

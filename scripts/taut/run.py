@@ -37,7 +37,8 @@ class Datasets:
         """{name: values}"""
         found = {}
         with h5py.File(self.path, "r") as file:
-            file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+            file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset)
+                            else None)
         return found
 
 

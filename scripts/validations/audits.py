@@ -60,9 +60,9 @@ def growth(energy):
 
 
 def flight(laboratory, method, material, carried):
-    """From the first step of which the sheet is free: how linear momentum changes, how energy grows in a step, and by how much
-    L' = L + h sum m v' x v is violated. That holds for impulses along the edges as they are at the end of the step; bending,
-    shear and the tension carried into the step have forces of the candidate."""
+    """From the first step of which the sheet is free: how linear momentum changes, how energy grows in a step, and by
+    how much L' = L + h sum m v' x v is violated. That holds for impulses along the edges as they are at the end of the
+    step; bending, shear and the tension carried into the step have forces of the candidate."""
     run = laboratory.whole_run(thrown(method, material, carried))
     frames = run.frames[round(RELEASE / STEP) + 1:]
     x, v = ([frame[name] for frame in frames] for name in ("positions", "velocities"))
@@ -73,13 +73,15 @@ def flight(laboratory, method, material, carried):
     violated = np.abs(np.diff(angular, axis=0) - gained).max() / np.linalg.norm(angular, axis=1).max()
     free = run.steps["time_s"] > RELEASE + STEP / 2
     energy, whole_steps = energies(run.steps)[free], not run.steps["rejected"][free].any()
-    return {"linear": float(np.abs(linear - linear[0]).max() / np.linalg.norm(linear[0])), "growth": growth(energy) / energy[0],
+    return {"linear": float(np.abs(linear - linear[0]).max() / np.linalg.norm(linear[0])),
+            "growth": growth(energy) / energy[0],
             "angular": float(violated) if whole_steps else float("nan")}  # else a frame is not a step
 
 
 def damped_fall(laboratory, method):
     """A sheet let go while two corners that are not neighbours are held."""
-    case = {"cloth": cloth(method, {"bending": 1e-4, "shear": 10}, mass=1, stiffness=0.01), "pins": [{"vertices": [0, SIDE * SIDE - 1]}],
+    case = {"cloth": cloth(method, {"bending": 1e-4, "shear": 10}, mass=1, stiffness=0.01),
+            "pins": [{"vertices": [0, SIDE * SIDE - 1]}],
             "inextensibility": inextensibility(method), "time": cases.steps_of(1, STEP)}
     return {"linear": float("nan"), "growth": growth(energies(laboratory.whole_run(case).steps)) / (MASS * G * SIZE),
             "angular": float("nan")}
@@ -97,7 +99,8 @@ def checks_of(row):
         yield Check(f"relative change of linear momentum, {audit}, {method}", "", 0, 1e-9, row["linear"],
                     "conserved, to the tolerance of the solvers")
     if audit.endswith("no carried tension"):
-        yield Check(f"relative violation of the angular identity in a step, {audit}, {method}", "", 0, STRAIN, row["angular"],
+        yield Check(f"relative violation of the angular identity in a step, {audit}, {method}", "", 0, STRAIN,
+                    row["angular"],
                     "L' = L + h sum m v' x v; the strain asked for")
     yield Check(f"growth of total energy in a step, {audit}, {method}", "", 0, 1e-6, row["growth"],
                 f"never grows; relative to {'m g l' if audit == 'damped fall' else 'the energy at its start'}")

@@ -24,11 +24,13 @@ class Check(NamedTuple):
         return "no reference" if math.isnan(self.expected) else "missed" if self.missed else "met"
 
     def cells(self):
-        numbers = ("" if math.isnan(value) else f"{value:.6g}" for value in (self.expected, self.measured, self.tolerance))
+        numbers = ("" if math.isnan(value) else f"{value:.6g}"
+                   for value in (self.expected, self.measured, self.tolerance))
         return [self.quantity, self.unit, *numbers, self.verdict, self.reference]
 
     def __str__(self):
-        return f"{self.verdict}: {self.quantity}: {self.measured:.6g} {self.unit}, expected {self.expected:.6g} +- {self.tolerance:.3g}"
+        expected = f"{self.expected:.6g} +- {self.tolerance:.3g}"
+        return f"{self.verdict}: {self.quantity}: {self.measured:.6g} {self.unit}, expected {expected}"
 
 
 def band(quantity, unit, low, high, measured, reference):
@@ -54,10 +56,13 @@ def write_table(folder, judged):
     checks = [check for _, some in judged for check in some]
     missed = sum(check.missed for check in checks)
     lines = ["# Expected and measured", "",
-             f"{len(checks)} values, {missed} of them outside their tolerance. Machine: {machine()}. Made by `scripts/validate`."]
+             f"{len(checks)} values, {missed} of them outside their tolerance. Machine: {machine()}. Made by "
+             f"`scripts/validate`."]
     for validation, checks in judged:
-        lines += ["", f"## {validation.name}", "", validation.about, "", f"![{validation.name}]({validation.name}.png)", "",
+        lines += ["", f"## {validation.name}", "", validation.about, "", f"![{validation.name}]({validation.name}.png)",
+                  "",
                   "| " + " | ".join(COLUMNS) + " |", "| --- " * len(COLUMNS) + "|"]
-        lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in check.cells()).replace("| missed |", "| **missed** |") + " |"
+        lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in check.cells()).replace("| missed |",
+                                                                                                "| **missed** |") + " |"
                   for check in checks]
     (folder / "table.md").write_text("\n".join(lines) + "\n")

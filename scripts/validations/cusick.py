@@ -17,7 +17,8 @@ PIXEL = 0.0005  # m
 def plan(quick):
     if quick:
         return cases.points(KEYS, ("polycotton", 0.01, 0))
-    return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES), *(("denim", 0.005, seed) for seed in (1, 2)),
+    return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES),
+                        *(("denim", 0.005, seed) for seed in (1, 2)),
                         *((name, 0.01, 0) for name in ("wool", "denim")))
 
 
@@ -47,8 +48,10 @@ def paint(dark, corners):
     """The pixels in a triangle: on the same side of all three edges."""
     low, high = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
     x, y = np.meshgrid(np.arange(low[0], high[0]) + 0.5, np.arange(low[1], high[1]) + 0.5)
-    sides = [(b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) for a, b in zip(corners, np.roll(corners, -1, axis=0))]
-    dark[low[1]:high[1], low[0]:high[0]] |= np.all([side >= 0 for side in sides], axis=0) | np.all([side <= 0 for side in sides], axis=0)
+    sides = [(b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+             for a, b in zip(corners, np.roll(corners, -1, axis=0))]
+    dark[low[1]:high[1], low[0]:high[0]] |= np.all([side >= 0 for side in sides],
+                                                   axis=0) | np.all([side <= 0 for side in sides], axis=0)
 
 
 def measure(laboratory, point):
@@ -68,7 +71,8 @@ def measure(laboratory, point):
     edge = x[radius > SPECIMEN - point["spacing_m"]]
     around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
     bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
-    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc), "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
+    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc),
+            "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
             "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps["kinetic_J"][-1]}
 
 

@@ -10,7 +10,8 @@ END = 0.4  # s
 
 def plan(quick):
     steps = (0.02, 0.01) if quick else (0.02, 0.01, 0.005, 0.0025)
-    return cases.points(KEYS, *((integrator, step) for integrator in ("implicit_euler", "bdf2", "imex") for step in steps))
+    return cases.points(KEYS, *((integrator, step) for integrator in ("implicit_euler", "bdf2", "imex")
+                                for step in steps))
 
 
 def measure(laboratory, point):
@@ -21,8 +22,8 @@ def measure(laboratory, point):
 
 
 def of_scheme(row):
-    """Euler's steps, implicit or IMEX, add up to g t (t + h) / 2. BDF2 begins with such a step, whose error g h^2 / 2 its
-    formula e' = (4 e - e_before) / 3 takes to 3/4 g h^2 (1 - 3^-n)."""
+    """Euler's steps, implicit or IMEX, add up to g t (t + h) / 2. BDF2 begins with such a step, whose error g h^2 / 2
+    its formula e' = (4 e - e_before) / 3 takes to 3/4 g h^2 (1 - 3^-n)."""
     h = row["step_s"]
     if row["integrator"] != "bdf2":
         return G * END * (END + h) / 2
@@ -30,12 +31,14 @@ def of_scheme(row):
 
 
 def judge(rows):
-    checks = [Check(f"depth after {END} s, {row['integrator']}, steps of {1000 * row['step_s']:g} ms", "m", of_scheme(row), 1e-6,
+    checks = [Check(f"depth after {END} s, {row['integrator']}, steps of {1000 * row['step_s']:g} ms", "m",
+                    of_scheme(row), 1e-6,
                     row["depth_m"], "the integrator's own sum (formula in the code)") for row in rows]
     for integrator, expected in (("implicit_euler", 1), ("bdf2", 2), ("imex", 1)):
         found = cases.of(rows, integrator=integrator)
         fine, coarse = (abs(row["depth_m"] - G * END**2 / 2) for row in (found[-1], found[-2]))
-        checks.append(Check(f"order of the error against g t^2 / 2, {integrator}", "", expected, 0.05, cases.order(fine, coarse),
+        checks.append(Check(f"order of the error against g t^2 / 2, {integrator}", "", expected, 0.05,
+                            cases.order(fine, coarse),
                             "order of the integrator"))
     return checks
 

@@ -34,7 +34,8 @@ def measure(laboratory, point):
             "contact": {"thickness": THICKNESS, "check": "step"}, "time": cases.steps_of(END, point["step_s"])}
     run = laboratory.whole_run(case)
     first, last = run.frames[0].positions, run.frames[-1].positions
-    return {"moved_m": float((last - first).mean(axis=0) @ down), "acceleration_m_s2": float(run.frames[-1]["velocities"].mean(axis=0) @ down) / END,
+    return {"moved_m": float((last - first).mean(axis=0) @ down),
+            "acceleration_m_s2": float(run.frames[-1]["velocities"].mean(axis=0) @ down) / END,
             "intersections": run.summary["contact"]["intersections"]}
 
 
@@ -53,11 +54,13 @@ def judge(rows):
             checks.append(Check(f"moved after {END} s, {name}", "m", 0, STUCK, row["moved_m"], "sticks"))
         else:
             expected = of_coulomb(row["friction"], angle_of(row))
-            checks.append(Check(f"acceleration, {name}", "m/s^2", expected, 1e-3 / END + 0.01 * expected, row["acceleration_m_s2"],
+            checks.append(Check(f"acceleration, {name}", "m/s^2", expected, 1e-3 / END + 0.01 * expected,
+                                row["acceleration_m_s2"],
                                 "g (sin a - friction cos a); 1 % and 1 mm/s"))
     for friction, step in dict.fromkeys((row["friction"], row["step_s"]) for row in rows):
         sliding = [row for row in cases.of(rows, friction=friction, step_s=step) if row["beyond_deg"] > 0]
-        slope, offset = np.polyfit([row["beyond_deg"] for row in sliding], [row["acceleration_m_s2"] for row in sliding], 1)
+        slope, offset = np.polyfit([row["beyond_deg"] for row in sliding],
+                                   [row["acceleration_m_s2"] for row in sliding], 1)
         coulomb = math.degrees(math.atan(friction))
         name = f"angle at which sliding begins, friction {friction:g}, steps of {1000 * step:g} ms"
         checks.append(Check(name, "degrees", coulomb, 0.1, coulomb - offset / slope,

@@ -27,14 +27,17 @@ def measure(laboratory, point):
     """The distance to the next finer mesh."""
     side = int(point["vertices_a_side"])
     (coarse, run), (fine, _) = (shape(laboratory, point["cells"], n) for n in (side, 2 * side - 1))
-    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps["kinetic_J"][-1], "rejected": run.summary["rejected_steps"]}
+    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps["kinetic_J"][-1],
+            "rejected": run.summary["rejected_steps"]}
 
 
 def judge(rows):
     checks = []
     for coarse, fine in zip(rows, rows[1:]):
-        name = f"{coarse['vertices_a_side']:g} to {fine['vertices_a_side']:g} to {2 * fine['vertices_a_side'] - 1:g} vertices a side"
-        checks.append(band(f"distance to the next finer mesh over that before, {name}", "", 0, 1, fine["to_next_m"] / coarse["to_next_m"],
+        sides = coarse["vertices_a_side"], fine["vertices_a_side"], 2 * fine["vertices_a_side"] - 1
+        name = "{:g} to {:g} to {:g} vertices a side".format(*sides)
+        checks.append(band(f"distance to the next finer mesh over that before, {name}", "", 0, 1,
+                           fine["to_next_m"] / coarse["to_next_m"],
                            f"shrinks; {1000 * coarse['to_next_m']:.3g} and {1000 * fine['to_next_m']:.3g} mm"))
         order = cases.order(fine["to_next_m"], coarse["to_next_m"])
         if fine["vertices_a_side"] < SIDES[-1]:

@@ -1,4 +1,5 @@
-"""A sheet held by one side, on one mesh with steps halved again and again: the order in which its end shape converges."""
+"""A sheet held by one side, on one mesh with steps halved again and again: the order in which its end shape
+converges."""
 from studies.experiment import Experiment, rms
 from validations import cases
 from validations.checks import Check
@@ -6,13 +7,16 @@ from validations.checks import Check
 KEYS = ["forces", "integrator", "halvings"]
 END, FIRST, SIDE = 0.24, 0.008, 9  # s, s
 EDGES_KEPT = {"strain": 1e-6, "compliance": 0, "max_iterations": 50, "solver": "mumps"}
-FORCES = {"bending": {}, "bending, shear": {"shear": 5}, "bending, shear, air": {"shear": 5}, "bending, stretch": {"stretch": 5}}
+FORCES: dict[str, dict] = {
+    "bending": {}, "bending, shear": {"shear": 5}, "bending, shear, air": {"shear": 5},
+    "bending, stretch": {"stretch": 5}}
 ORDERS = {"implicit_euler": 1, "bdf2": 2, "imex": 1}
 
 
 def plan(quick):
     if quick:
-        return cases.points(KEYS, ("bending", "implicit_euler", 3), ("bending, shear, air", "bdf2", 3), ("bending, shear, air", "imex", 3))
+        return cases.points(KEYS, ("bending", "implicit_euler", 3), ("bending, shear, air", "bdf2", 3),
+                            ("bending, shear, air", "imex", 3))
     return cases.points(KEYS, *((forces, integrator, 5) for forces in FORCES for integrator in ORDERS))
 
 

@@ -46,7 +46,8 @@ def period(times, angles):
     for n in np.flatnonzero((angles[:-1] > 0) & (angles[1:] <= 0)):
         near = slice(n - 1, n + 3)
         cubic = np.polyfit(times[near] - times[n], angles[near], 3)
-        crossings += [times[n] + root.real for root in np.roots(cubic) if abs(root.imag) < 1e-9 and 0 <= root.real <= 1 / RATE]
+        crossings += [times[n] + root.real for root in np.roots(cubic) if abs(root.imag) < 1e-9 and
+                      0 <= root.real <= 1 / RATE]
     return float(np.mean(np.diff(crossings)))
 
 
@@ -71,13 +72,16 @@ def judge(rows):
     for row in rows:
         name = f"{row['integrator']}, steps of {1000 * row['step_s']:g} ms"
         if row["start_rad"] == 1:
-            checks.append(Check(f"period of a swing from 1 rad, {name}", "s", large_period(1), 1e-3 * large_period(1), row["period_s"],
+            checks.append(Check(f"period of a swing from 1 rad, {name}", "s", large_period(1), 1e-3 * large_period(1),
+                                row["period_s"],
                                 "complete elliptic integral; 0.1 %"))
             continue
         z = factor(row["integrator"], FREQUENCY * row["step_s"])
-        checks += [Check(f"period of a small swing, {name}", "s", 2 * math.pi * row["step_s"] / cmath.phase(z), 1e-5, row["period_s"],
+        checks += [Check(f"period of a small swing, {name}", "s", 2 * math.pi * row["step_s"] / cmath.phase(z), 1e-5,
+                         row["period_s"],
                          "root of the integrator on x'' = -(g/l) x"),
-                   Check(f"amplitude left of a small swing after 1 s, {name}", "", abs(z) ** (1 / row["step_s"]), 1e-5, row["kept_in_1_s"],
+                   Check(f"amplitude left of a small swing after 1 s, {name}", "", abs(z) ** (1 / row["step_s"]), 1e-5,
+                         row["kept_in_1_s"],
                          "the same root")]
     return checks
 

@@ -1,4 +1,5 @@
-"""Cloth hung by its upper side from stretchable threads: each edge is longer by the weight below it over its stiffness."""
+"""Cloth hung by its upper side from stretchable threads: each edge is longer by the weight below it over its
+stiffness."""
 from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
@@ -19,9 +20,9 @@ def plan(quick):
 def cloth(cells):
     """Hanging down by one end; a strip is one cell wide, so that its two threads share the weight."""
     turned = {"rotate": {"axis": [0, 1, 0], "angle": "90 deg"}}
-    shape = {"line": {"length": LENGTH, "vertices": ALONG}} if cells == "line" else \
-        {"grid": {"size": [LENGTH, WIDTH], "vertices": [ALONG, 2], "cells": cells}}
-    return {**shape, "start": turned}
+    if cells == "line":
+        return {"line": {"length": LENGTH, "vertices": ALONG}, "start": turned}
+    return {"grid": {"size": [LENGTH, WIDTH], "vertices": [ALONG, 2], "cells": cells}, "start": turned}
 
 
 def stretching(model, cells):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Obstacles faster than a step can follow, and pins that pull cloth through them: the cloth gets out of the way in shorter
-steps, or the run ends and says where."""
+"""Obstacles faster than a step can follow, and pins that pull cloth through them: the cloth gets out of the way in
+shorter steps, or the run ends and says where."""
 import unittest
 
 import numpy as np
@@ -78,7 +78,8 @@ class Fast(running.Folder):
         return summary
 
     def fails(self, case, ranks, *names):
-        """Ends with 3, names once where and one of `names`, and leaves whole frames, all of which are listed, and no others."""
+        """Ends with 3, names once where and one of `names`, and leaves whole frames, all of which are listed, and no
+        others."""
         code, err, summary, run = self.start(case, ranks)
         self.assertEqual(code, 3, err)
         self.assertEqual((summary["status"], "taut: " + summary["reason"]), ("failed", err))

@@ -164,9 +164,11 @@ class OneRank(Faults):
         job = subprocess.Popen(words, cwd=self.folder, env=launch.ENVIRONMENT, text=True, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE)
         with job:
+            assert job.stderr is not None
             message = next((line for line in job.stderr if line.startswith("taut:")), "none")
             code = job.wait(timeout=5)
-        self.assertEqual(message, "taut: rank 1: not enough memory; use more ranks on more machines, or a smaller mesh\n")
+        self.assertEqual(message.strip(),
+                         "taut: rank 1: not enough memory; use more ranks on more machines, or a smaller mesh")
         self.assertEqual(code, 1)
         self.assertFalse((self.folder / "run").exists())
 
@@ -178,8 +180,10 @@ class OneRank(Faults):
         n = 1500
         number = np.arange(n * n).reshape(n, n)
         with h5py.File(self.folder / "cloth.h5", "w") as file:
-            file["rest_positions"] = np.stack([number.ravel() // n / n, number.ravel() % n / n, 0.0 * number.ravel()], axis=1)
-            file["faces"] = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=2).ravel()
+            file["rest_positions"] = np.stack([number.ravel() // n / n, number.ravel() % n / n, 0.0 * number.ravel()],
+                                              axis=1)
+            file["faces"] = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]],
+                                     axis=2).ravel()
             file["face_offsets"] = np.arange(0, 4 * (n - 1)**2 + 1, 4)
         self.assert_memory_ends(400, "--set", "cloth.mesh=cloth.h5")
 

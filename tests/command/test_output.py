@@ -42,17 +42,19 @@ class Output(running.Folder):
             self.assertEqual((a, b), (of_edge[(face[0], face[1])], of_edge[(face[0], face[3])]))
 
     def test_warp_and_weft_are_those_of_the_texture(self):
-        (self.folder / "case.yaml").write_text(running.SMALL.replace("grid: {size: [1, 1], vertices: [11, 11]}", "mesh: sheet.obj"))
+        (self.folder / "case.yaml").write_text(running.SMALL.replace("grid: {size: [1, 1], vertices: [11, 11]}",
+                                                                     "mesh: sheet.obj"))
         found = []
-        for turned in (False, True):
-            (self.folder / "sheet.obj").write_text(textured_sheet(turned))
+        for along_y in (False, True):
+            (self.folder / "sheet.obj").write_text(textured_sheet(along_y))
             mesh = self.mesh_of(2)
             found.append({**mesh, **Datasets(self.folder / "on-2/frames/frame_000001.h5").read_all()})
         plain, turned = found
         self.assertGreater(np.abs(plain["cells/strain_warp"] - plain["cells/strain_weft"]).max(), 1e-4)
         for name in ("yarn", "strain", "tension"):
             for one, other in (("warp", "weft"), ("weft", "warp")):
-                np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9, err_msg=name)
+                np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9,
+                                           err_msg=name)
 
     def test_yarns_are_listed_for_paraview(self):
         self.mesh_of(1)
@@ -75,7 +77,8 @@ class Output(running.Folder):
     def test_counters(self):
         phases = {}
         for ranks in (1, 3):
-            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set", "time.end=0.05",
+            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set",
+                      "time.end=0.05",
                       ranks=ranks)
             counted = json.loads((self.folder / "counters.json").read_text())
             self.assertEqual((counted["ranks"], counted["steps"]), (ranks, 10))
@@ -87,7 +90,8 @@ class Output(running.Folder):
             self.assertGreater(together["seconds"]["mean"], 0)
         velocity = phases[3]["velocity"]
         self.assertGreaterEqual(velocity["entered"]["max"], 10)
-        self.assertEqual(velocity["reductions"]["sum"], 3 * velocity["reductions"]["max"])  # everybody takes part in each
+        self.assertEqual(velocity["reductions"]["sum"],
+                         3 * velocity["reductions"]["max"])  # everybody takes part in each
         self.assertGreaterEqual(velocity["reductions"]["max"], 2 * velocity["iterations"])  # two in an iteration of CG
         self.assertLessEqual(velocity["neighbours"]["max"], 2)
         self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
@@ -112,7 +116,8 @@ class Output(running.Folder):
 
 class Start(running.Folder):
     def begin(self, out, obstacle, *options, ranks=1):
-        return self.taut("run", "case.yaml", "--out", out, "--set", "time.end=0.05", "--set", f"obstacles=[{obstacle}]", *options,
+        return self.taut("run", "case.yaml", "--out", out, "--set", "time.end=0.05", "--set", f"obstacles=[{obstacle}]",
+                         *options,
                          ranks=ranks)
 
     def test_that_intersects(self):

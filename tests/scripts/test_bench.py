@@ -8,6 +8,7 @@ import unittest
 from running import script
 from taut import launch
 
+
 def xpbd(*words):
     done = subprocess.run([launch.PROGRAM.parent / "plain_xpbd", *map(str, words)], capture_output=True, text=True)
     return json.loads(done.stdout) if done.returncode == 0 else done
@@ -38,7 +39,8 @@ class Bench(unittest.TestCase):
 
 class PlainXpbd(unittest.TestCase):
     def test_falls_freely(self):
-        """The middle of a sheet falls as if free, for waves from its pins have not come there: g t²/2, by symplectic Euler g t (t + h)/2."""
+        """The middle of a sheet falls as if free, for waves from its pins have not come there: g t²/2, by symplectic
+        Euler g t (t + h)/2."""
         h = 0.01 / 20
         self.assertAlmostEqual(xpbd(41, 20, 0.2)["depth"], 9.81 * 0.2 * (0.2 + h) / 2, delta=1e-3)
 

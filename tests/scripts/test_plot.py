@@ -7,7 +7,8 @@ import numpy as np
 
 import running
 
-HEADER = "step,time_s,dt_s,rejected,strain_max,strain_rms,projection_iterations,projection_ksp_iterations,velocity_ksp_iterations"
+HEADER = ("step,time_s,dt_s,rejected,strain_max,strain_rms,projection_iterations,projection_ksp_iterations,"
+          "velocity_ksp_iterations")
 
 
 def plot(*arguments):

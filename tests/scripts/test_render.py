@@ -14,7 +14,8 @@ RANK_0, RANK_1 = (0x44, 0x77, 0xaa), (0xee, 0x66, 0x77)
 
 
 def render(*arguments):
-    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}  # as on a machine without a screen
+    environment = {key: value for key, value in os.environ.items()
+                   if key != "DISPLAY"}  # as on a machine without a screen
     done = running.script("render", *arguments, "--size", "{}x{}".format(*SIZE), env=environment, timeout=150)
     return done.returncode, done.stdout, done.stderr
 
@@ -96,8 +97,10 @@ class Render(running.Folder):
     def test_says_what_is_wrong(self):
         run = self.run_case("result", "--set", "time.end=0.1")
         for arguments, code, message in (
-                ((self.folder,), 1, f"render: {self.folder}/frames.xdmf: no such file; give the output folder of a run"),
-                ((self.folder / "nowhere",), 1, f"render: {self.folder}/nowhere: no such folder; give the output folder of a run"),
+                ((self.folder,), 1,
+                 f"render: {self.folder}/frames.xdmf: no such file; give the output folder of a run"),
+                ((self.folder / "nowhere",), 1, f"render: {self.folder}/nowhere: no such folder; give the output "
+                                                f"folder of a run"),
                 ((run, "--color", "colour"), 1, "render: there is no field colour; known are "),
                 ((run, "--frame", "99"), 1, "render: there is no frame 99; the run has the frames 0 to 2"),
                 ((run, "--film", "film.xyz"), 2, "a film ends in .mp4, .webm, .gif")):

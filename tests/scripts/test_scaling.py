@@ -31,22 +31,27 @@ class Scaling(running.Temporary):
         self.assertEqual(float(table[1]["halos"]), 0)
         self.assertGreater(float(table[4096]["reductions"]), float(table[64]["reductions"]))
         for row in table.values():
-            self.assertAlmostEqual(float(row["step"]), sum(float(row[k]) for k in ("work", "halos", "reductions")), delta=1e-6)
+            self.assertAlmostEqual(float(row["step"]), sum(float(row[k]) for k in ("work", "halos", "reductions")),
+                                   delta=1e-6)
         slow = scaling(self.folder, "model", "--latency", "15e-6")
         self.assertEqual(slow.returncode, 0, slow.stderr)
-        self.assertGreater(float(read_rows(self.folder / "model-quick.csv")[-1]["step"]), 2 * float(table[4096]["step"]))
+        self.assertGreater(float(read_rows(self.folder / "model-quick.csv")[-1]["step"]),
+                           2 * float(table[4096]["step"]))
 
     def test_says_what_is_wrong(self):
         self.assertIn("no such program", scaling(self.folder, "strong", "--program", "nowhere/taut").stderr)
-        self.assertIn("strong-quick.csv: no such table; make it with scripts/scaling.py strong", scaling(self.folder, "model").stderr)
+        self.assertIn("strong-quick.csv: no such table; make it with scripts/scaling.py strong",
+                      scaling(self.folder, "model").stderr)
         self.assertIn("bandwidth must be above 0", scaling(self.folder, "model", "--bandwidth", "0").stderr)
 
 
 class Model(unittest.TestCase):
     def test_finds_the_coefficients_it_was_given(self):
-        rows = [{"ranks": p, "iterations": 20.0 + p, "neighbours_of_part": 3.0 + p % 3, "yarn_segments": 40.0} for p in (1, 2, 4, 8, 16)]
+        rows = [{"ranks": p, "iterations": 20.0 + p, "neighbours_of_part": 3.0 + p % 3, "yarn_segments": 40.0}
+                for p in (1, 2, 4, 8, 16)]
         for row in rows:
-            row["messages"] = 1.5 * row["iterations"] * row["neighbours_of_part"] + 0.25 * row["iterations"] * math.sqrt(row["ranks"])
+            each = 1.5 * row["neighbours_of_part"] + 0.25 * math.sqrt(row["ranks"])
+            row["messages"] = row["iterations"] * each
         found = script.fit("messages", rows)
         self.assertAlmostEqual(found["iterations x neighbours"], 1.5)
         self.assertAlmostEqual(found["iterations x sqrt ranks"], 0.25)

@@ -7,7 +7,8 @@ import unittest
 import running
 
 NAME, RANKS = (*sys.argv[1:], "1")[:2]
-VERDICTS = {"isotropic plate": "missed", "no published band": "no reference", "not judged": "no reference"}  # by how the reference begins; else "met"
+VERDICTS = {"isotropic plate": "missed", "no published band": "no reference",
+            "not judged": "no reference"}  # by how the reference begins; else "met"
 
 
 def validate(folder, name):
@@ -25,7 +26,8 @@ class Validation(running.Temporary):
         for row in rows:
             wanted = [verdict for words, verdict in VERDICTS.items() if row["reference"].startswith(words)] or ["met"]
             self.assertEqual(row["verdict"], wanted[0], row)
-        self.assertEqual(done.returncode, int(any(row["verdict"] == "missed" for row in rows)), done.stdout + done.stderr)
+        self.assertEqual(done.returncode, int(any(row["verdict"] == "missed" for row in rows)),
+                         done.stdout + done.stderr)
         self.assertEqual((self.folder / f"{NAME}.png").read_bytes()[:8], running.PNG)
         self.goes_on_where_it_was(done.stdout)
 
@@ -41,7 +43,8 @@ class Validation(running.Temporary):
         self.assertEqual(ran[1], ran[0][-1:], again.stderr)
 
     def test_says_what_is_wrong(self):
-        self.assertIn("no validation is called free-falls; there are free-fall,", validate(self.folder, "free-falls").stderr)
+        self.assertIn("no validation is called free-falls; there are free-fall,",
+                      validate(self.folder, "free-falls").stderr)
 
 
 if __name__ == "__main__":
