@@ -15,18 +15,16 @@ import debian_python  # noqa: F401
 
 from studies import (contact_models, figure_1, figure_3, figure_4, figure_5, figure_6, figure_7, locking, resolution,
                      shake_failures)
-from studies.experiment import Laboratory
+from studies.experiment import Experiment, Laboratory
 from taut import launch
 
-STUDIES = {study.name: study for study in (figure_1.STUDY, figure_3.STUDY, *figure_4.STUDIES, *figure_5.STUDIES,
-                                           figure_6.STUDY,
-                                           figure_7.STUDY, shake_failures.STUDY, locking.STUDY, resolution.STUDY,
-                                           contact_models.STUDY)}
+SINGLE = (figure_1, figure_3, figure_6, figure_7, shake_failures, locking, resolution, contact_models)
+STUDIES = {study.name: study for study in (*map(Experiment.of, SINGLE), *figure_4.STUDIES, *figure_5.STUDIES)}
 
 
 def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("study", choices=sorted(STUDIES))
     parser.add_argument("--quick", action="store_true", help="a small version")
     parser.add_argument("--limit", type=float, default=300,
                         help="seconds for a run; one that takes longer is stopped and counts as far as it came "

@@ -1,8 +1,8 @@
 """One drop on a sphere with the contact of the papers and with contact inside the projection: what each keeps, and what
 it costs."""
 from studies import scenes
-from studies.experiment import Experiment
 
+ABOUT = "only contact inside the projection keeps both: no strain over the limit, no intersection."
 KEYS = ["model", "vertices_a_side", "end_s"]
 MODELS = {"constraint": {"model": "constraint"}, "impulse, last": {"model": "impulse"},
           "impulse, first": {"model": "impulse", "impulse": {"order": "contact_first"}},
@@ -49,9 +49,3 @@ def judge(rows):
                     f"gap down to {1000 * row['least_gap_m']:.2f} mm, {row['cpu_s_per_s']:.3g} CPU s per s, depth "
                     f"{row['depth_m']:.3f} m")
     return both == ["constraint"], "; ".join(text)
-
-
-STUDY = Experiment(
-    "contact-models",
-    "only contact inside the projection keeps both: no strain over the limit, no intersection.",
-    KEYS, plan, measure, draw, judge)

@@ -29,6 +29,12 @@ class Experiment(NamedTuple):
     draw: Callable  # (axes, rows)
     judge: Callable  # (rows) -> a study: (whether the claim holds, the findings in words); a validation: checks
 
+    @classmethod
+    def of(cls, module):
+        """That of a module, which has the name of the experiment and defines the rest."""
+        name = module.__name__.rsplit(".", 1)[-1].replace("_", "-")
+        return cls(name, module.ABOUT, module.KEYS, module.plan, module.measure, module.draw, module.judge)
+
     def fill(self, path, laboratory, quick):
         """The table in `path`, after what is missing of the plan has been measured."""
         table = Table(path, self.keys)

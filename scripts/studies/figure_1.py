@@ -6,9 +6,10 @@ asked for is kept; what Fast Projection makes of the same permission stands besi
 import matplotlib.pyplot as plt
 
 from studies import scenes
-from studies.experiment import Experiment, smallest
+from studies.experiment import smallest
 
 METHODS = ["springs", "fast_projection"]
+ABOUT = "the less strain is permitted, the more springs cost; Fast Projection keeps every limit at nearly one cost."
 KEYS = ["method", "strain_asked", "vertices_a_side", "end_s"]
 STEP = {"springs": 0.0001, "fast_projection": 0.005}  # s at most; the former for the jerk when the pins begin to move
 
@@ -78,9 +79,3 @@ def judge(rows):
     kept = (len(fast) == sum(row["method"] == "fast_projection" for row in rows) and
             all(row["strain_had"] <= row["strain_asked"] for row in fast))
     return dearer and kept and max(costs) < 2 * min(costs), "\n".join(lines)
-
-
-STUDY = Experiment(
-    "figure-1",
-    "the less strain is permitted, the more springs cost; Fast Projection keeps every limit at nearly one cost.",
-    KEYS, plan, measure, draw, judge)

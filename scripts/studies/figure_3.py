@@ -6,10 +6,10 @@ import statistics
 import subprocess
 
 from studies import scenes
-from studies.experiment import Experiment
 from taut.launch import ENVIRONMENT
 
 STEPS = [0.02, 0.01, 0.005, 0.0025, 0.00125, 0.000625, 0.0003125]
+ABOUT = "what the first iteration leaves of F vanishes with the step, and the iterations after it change it little."
 KEYS = ["vertices_a_side", "end_s"]
 
 
@@ -52,9 +52,3 @@ def judge(rows):
     kept = all(median(rows, step, "last") < 2 * median(rows, step, "first") for step in steps)
     lines.append(f"order in h between the two shortest steps: {order:.1f}")
     return order >= 1 and kept, "\n".join(lines)
-
-
-STUDY = Experiment(
-    "figure-3",
-    "what the first iteration leaves of F vanishes with the step, and the iterations after it change it little.",
-    KEYS, plan, measure, draw, judge)

@@ -3,8 +3,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from studies import scenes
-from studies.experiment import Experiment, rms
+from studies.experiment import rms
 
+ABOUT = "Fast Projection and ICD give similar results: no farther apart than by what halving the step changes."
 KEYS = ["vertices_a_side", "end_s", "max_step_s"]
 
 
@@ -59,9 +60,3 @@ def judge(rows):
             f"largest {1000 * last['max_icd_m']:.2f} mm; of Fast Projection at half the step: "
             f"{1000 * last['rms_half_step_m']:.2f} mm")
     return last["rms_icd_m"] <= last["rms_half_step_m"], text
-
-
-STUDY = Experiment(
-    "figure-6",
-    "Fast Projection and ICD give similar results: no farther apart than by what halving the step changes.",
-    KEYS, plan, measure, draw, judge)

@@ -1,8 +1,8 @@
 """A scene with all in it [as G07 figures 7 and 8, which say no figures]: a cloth falls on a sphere over a floor, folds
 and lies on itself; strain and intersections of every step."""
 from studies import scenes
-from studies.experiment import Experiment
 
+ABOUT = "strain stays within the limit, and nothing intersects, in a scene with contact of all kinds."
 KEYS = ["vertices_a_side", "end_s"]
 
 
@@ -37,9 +37,3 @@ def judge(rows):
             f"in any step, up to {max(row['contacts'] for row in rows):g} contacts, "
             f"{sum(row['projections'] for row in rows) / len(rows):.2f} projections a step")
     return strain <= limit and rows[0]["intersections"] == 0, text
-
-
-STUDY = Experiment(
-    "figure-7",
-    "strain stays within the limit, and nothing intersects, in a scene with contact of all kinds.",
-    KEYS, plan, measure, draw, judge)

@@ -1,11 +1,13 @@
 """One drape on quads, on triangles by all their edges, and on triangles by warp and weft averaged at vertices: which of
 them keep the cloth from folding."""
 from studies import scenes
-from studies.experiment import Experiment, rms
+from studies.experiment import rms
 
 MESHES = {"quads": ("quads", "edges"), "triangles by edges": ("alternating_triangles", "edges"),
           "triangles by vertices": ("alternating_triangles", "vertices"),
           "triangles of one diagonal by vertices": ("triangles", "vertices")}
+ABOUT = ("triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft averaged "
+         "at vertices do.")
 KEYS = ["mesh", "vertices_a_side", "end_s", "max_step_s"]
 
 
@@ -78,10 +80,3 @@ def judge(rows):
     farther = all(d > away["triangles by vertices", side] for (mesh, side), d in away.items()
                   if mesh == "triangles by edges")
     return locked and free and farther, "\n".join(map(told, rows))
-
-
-STUDY = Experiment(
-    "locking",
-    "triangles lock if all edges keep their lengths (small steps, little motion), not if warp and weft averaged at "
-    "vertices do.",
-    KEYS, plan, measure, draw, judge)

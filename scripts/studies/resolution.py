@@ -3,8 +3,9 @@
 The finest grid, which costs most of the study, runs for a shorter time; pairs are judged at the last time of all.
 """
 from studies import scenes
-from studies.experiment import Experiment, rms
+from studies.experiment import rms
 
+ABOUT = "shapes at rising resolution converge to one."
 KEYS = ["vertices_a_side", "finer", "end_s", "max_step_s"]
 
 
@@ -50,9 +51,3 @@ def judge(rows):
              for (coarse, fine), row in last.items()]
     distances = [row["rms_m"] for row in last.values()]
     return all(a > b for a, b in zip(distances, distances[1:])), "\n".join(lines)
-
-
-STUDY = Experiment(
-    "resolution",
-    "shapes at rising resolution converge to one.",
-    KEYS, plan, measure, draw, judge)

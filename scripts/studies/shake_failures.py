@@ -4,12 +4,12 @@ import json
 import subprocess
 
 from studies import scenes
-from studies.experiment import Experiment
 from taut.launch import ENVIRONMENT
 
 TOYS = ["Q1NoSolution", "Q2SingularThoughThereAreSolutions", "Q3DependentGradients", "Q4RedundantConstraints"]
 METHODS: dict[str, dict] = {
     "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}}, "icd": {}, "fast_projection": {}}
+ABOUT = "SHAKE fails in four cases (Q1-Q4); ICD solves Q1, Q2 and Q4 as they are, and Q3 in half the step."
 KEYS = ["case", "method", "max_step_s"]
 
 
@@ -64,9 +64,3 @@ def judge(rows):
               f"{row['steps']:g} steps, "
               f"{row['rejected']:g} rejected" for row in drapes(rows) if row.get("steps")]
     return all(row["status"] == "as in the paper" for row in toys), "\n".join(lines)
-
-
-STUDY = Experiment(
-    "shake-failures",
-    "SHAKE fails in four cases (Q1-Q4); ICD solves Q1, Q2 and Q4 as they are, and Q3 in half the step.",
-    KEYS, plan, measure, draw, judge)

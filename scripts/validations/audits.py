@@ -1,11 +1,12 @@
 """Momentum, angular momentum and energy, where physics or the integrator says what becomes of them."""
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("A sheet thrown and let go where there is no gravity, and one that falls with damping: momentum, angular "
+         "momentum, energy.")
 KEYS = ["audit", "method"]
 SIDE, SIZE, DENSITY, STEP, RELEASE = 9, 0.5, 0.2, 0.004, 0.1
 MASS = DENSITY * SIZE**2  # kg
@@ -123,10 +124,3 @@ def draw(axes, rows):
     axes.set_yscale("log")
     axes.set_ylabel("relative change or violation (0: at 1e-17)")
     axes.legend(fontsize=6, ncols=2)
-
-
-VALIDATION = Experiment(
-    "audits",
-    "A sheet thrown and let go where there is no gravity, and one that falls with damping: momentum, angular "
-    "momentum, energy.",
-    KEYS, plan, measure, draw, judge)

@@ -2,11 +2,12 @@
 bending length."""
 import math
 
-from studies.experiment import Experiment
 from validations import cases, elastica, fabrics
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
+         "make.")
 KEYS = ["fabric", "overhang_ratio"]
 ANGLE = 41.5  # degrees
 ALONG = 41
@@ -62,10 +63,3 @@ def draw(axes, rows):
                       textcoords="offset points", fontsize=8)
     axes.set_xlabel("(B / w)^(1/3), mm")
     axes.set_ylabel("half the overhang at 41.5 degrees, mm")
-
-
-VALIDATION = Experiment(
-    "bending-length",
-    "The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
-    "make.",
-    KEYS, plan, measure, draw, judge)

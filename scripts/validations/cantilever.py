@@ -3,11 +3,12 @@ import math
 
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases, elastica
 from validations.cases import G
 from validations.checks import Check, band
 
+ABOUT = ("A strip of 0.2 m clamped at one end, at rest under its own weight and at 1 % strain: the master curve of "
+         "H/W over gamma.")
 KEYS = ["gamma", "bending_model", "cells", "along", "step_s"]
 LENGTH, COARSE, FINE = 0.2, 21, 41  # m; vertices along the strip
 LONG, SHORT = 0.014, 0.001  # s
@@ -77,10 +78,3 @@ def draw(axes, rows):
     axes.set_xlabel("gamma = weight per area x length^3 / bending stiffness")
     axes.set_ylabel("H / W = drop / reach of the tip")
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "cantilever",
-    "A strip of 0.2 m clamped at one end, at rest under its own weight and at 1 % strain: the master curve of H/W "
-    "over gamma.",
-    KEYS, plan, measure, draw, judge)

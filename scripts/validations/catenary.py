@@ -3,11 +3,12 @@ import math
 
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases, strips
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and "
+         "tensions, by every method.")
 KEYS = ["method"]
 LINKS, LENGTH, SPAN, RISE, DENSITY = 40, 1.0, 0.7, 0.2, 0.2  # m, kg/m
 STRAIN, SPRINGS = 1e-4, 200.0  # springs: N, which the weight of the chain strains by about 1 %
@@ -105,10 +106,3 @@ def draw(axes, rows):
     axes.set_ylabel("largest distance from the equilibrium, 1e-6 m")
     axes.tick_params(axis="x", labelsize=7, rotation=20)
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "catenary",
-    "A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and tensions, "
-    "by every method.",
-    KEYS, plan, measure, draw, judge)

@@ -3,11 +3,12 @@ import math
 
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases, fabrics, strips
 from validations.cases import G
 from validations.checks import band, unjudged
 
+ABOUT = ("Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published "
+         "bands of what they are called after.")
 KEYS = ["fabric", "spacing_m", "seed"]
 DISC, SPECIMEN = 0.09, 0.15  # radii, m [BS 5058, ISO 9073-9]
 PUBLISHED = {"silk": (20, 40), "cotton": (60, 76), "wool": (40, 70), "denim": (70, 90)}  # %
@@ -108,10 +109,3 @@ def draw(axes, rows):
     axes.set_ylim(0, 100)
     axes.set_ylabel("drape coefficient, %")
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "cusick",
-    "Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published bands "
-    "of what they are called after.",
-    KEYS, plan, measure, draw, judge)

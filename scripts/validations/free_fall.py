@@ -1,9 +1,9 @@
 """A sheet that nothing holds: the sums that each integrator makes of g, to the last digits."""
-from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = "A sheet that nothing holds falls as the integrator's own sum says, and so with its order towards g t²/2."
 KEYS = ["integrator", "step_s"]
 END = 0.4  # s
 
@@ -51,9 +51,3 @@ def draw(axes, rows):
     axes.set_xlabel("time step, ms")
     axes.set_ylabel(f"|depth - g t^2 / 2| after {END} s, m")
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "free-fall",
-    "A sheet that nothing holds falls as the integrator's own sum says, and so with its order towards g t²/2.",
-    KEYS, plan, measure, draw, judge)

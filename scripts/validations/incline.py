@@ -3,11 +3,12 @@ import math
 
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("A patch of cloth on an inclined plane sticks up to Coulomb's angle and slides beyond it with Coulomb's "
+         "acceleration.")
 KEYS = ["friction", "beyond_deg", "step_s"]
 END, THICKNESS = 0.3, 0.001  # s, m
 STUCK = 1e-4  # m that a patch which sticks may creep
@@ -78,10 +79,3 @@ def draw(axes, rows):
     axes.set_xlabel("angle of the plane, degrees")
     axes.set_ylabel("acceleration, m/s^2 (grey: Coulomb)")
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "incline",
-    "A patch of cloth on an inclined plane sticks up to Coulomb's angle and slides beyond it with Coulomb's "
-    "acceleration.",
-    KEYS, plan, measure, draw, judge)

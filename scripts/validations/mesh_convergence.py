@@ -1,8 +1,10 @@
 """A square held by two corners that are brought together, at rest, on finer and finer meshes."""
-from studies.experiment import Experiment, rms
+from studies.experiment import rms
 from validations import cases
 from validations.checks import Check, band, unjudged
 
+ABOUT = ("A square of 1 m held by two corners 0.8 m apart, at rest: distance between its shapes on one mesh and the "
+         "next finer one.")
 KEYS = ["cells", "vertices_a_side"]
 SIDES = (11, 21, 41)
 
@@ -52,10 +54,3 @@ def draw(axes, rows):
     axes.loglog([1000 / (row["vertices_a_side"] - 1) for row in rows], [1000 * row["to_next_m"] for row in rows], "o-")
     axes.set_xlabel("edge length, mm")
     axes.set_ylabel("RMS distance to the next finer mesh, mm")
-
-
-VALIDATION = Experiment(
-    "mesh-convergence",
-    "A square of 1 m held by two corners 0.8 m apart, at rest: distance between its shapes on one mesh and the next "
-    "finer one.",
-    KEYS, plan, measure, draw, judge)

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 
-from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("Period and amplitude of small swings against the roots of the integrators; a large swing against the "
+         "elliptic integral.")
 KEYS = ["integrator", "start_rad", "step_s"]
 FREQUENCY = math.sqrt(G)  # of a small swing of 1 m, 1/s
 RATE = 10  # frames/s
@@ -96,10 +97,3 @@ def draw(axes, rows):
     axes.set_xlabel("time step, ms")
     axes.set_ylabel("amplitude left after 1 s (grey: the integrator's root)")
     axes.legend()
-
-
-VALIDATION = Experiment(
-    "pendulum",
-    "Period and amplitude of small swings against the roots of the integrators; a large swing against the elliptic "
-    "integral.",
-    KEYS, plan, measure, draw, judge)

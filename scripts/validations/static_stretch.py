@@ -1,10 +1,11 @@
 """Cloth hung by its upper side from stretchable threads: each edge is longer by the weight below it over its
 stiffness."""
-from studies.experiment import Experiment
 from validations import cases
 from validations.cases import G
 from validations.checks import Check
 
+ABOUT = ("Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for "
+         "everything in Taut that stretches.")
 KEYS = ["model", "cells"]
 LENGTH, WIDTH, DENSITY, STIFFNESS = 1.0, 0.1, 0.2, 20.0  # m, m; kg/m^2, or kg/m of a line; N/m, or N of a line
 ALONG = 11  # vertices
@@ -60,10 +61,3 @@ def draw(axes, rows):
     axes.set_xscale("log")
     axes.set_xlabel("error of the elongation, %")
     axes.legend(loc="lower right")
-
-
-VALIDATION = Experiment(
-    "static-stretch",
-    "Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for everything in "
-    "Taut that stretches.",
-    KEYS, plan, measure, draw, judge)
