@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 
 from studies.table import Table
-from taut import Run, launch
+from taut import Run, launch, write_case
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -106,9 +106,7 @@ class Laboratory:
         return program
 
     def write(self, case):
-        path = self.path(f"case{len(self.runs)}.yaml")
-        path.write_text(json.dumps(case))  # JSON is YAML
-        return path
+        return write_case(self.path(f"case{len(self.runs)}.yaml"), case)
 
     def run(self, case, petsc=()):
         """The run of a case; the same case is run only once."""

@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 
+from taut.case import read_case
+
 
 class RunError(Exception):
     """A folder does not hold what a run leaves."""
@@ -87,6 +89,11 @@ class Run:
     def frames(self):
         """In the order of time."""
         return [Frame(path) for path in sorted((self.folder / "frames").glob("frame_*.h5"))]
+
+    @cached_property
+    def case(self):
+        """As it was run, all defaults filled in."""
+        return read_case(self.folder / "case.yaml")
 
     @property
     def mesh(self):
