@@ -8,7 +8,6 @@ number. Needs ParaView's Python (pvpython) and starts it itself. Exit code 1 and
 """
 import os
 import sys
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 try:
@@ -22,9 +21,11 @@ except ImportError:  # an ordinary Python: start again in ParaView's
     except FileNotFoundError:
         sys.exit("check_xdmf: pvpython is not installed; install paraview and python3-paraview")
 
-import h5py
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
+
+import taut
+from taut.run import uniform_grids
 
 
 class Difference(Exception):
@@ -42,32 +43,20 @@ def require_equal(what, shown, held):
                          f"the file holds {held[at]}")
 
 
-class Run:
+class Run(taut.Run):
     """The HDF5 files of a run, read without XDMF."""
 
-    def __init__(self, folder):
-        self.folder = folder
-        self.frames = sorted((folder / "frames").glob("frame_*.h5"))
-        if not self.frames:
-            raise Difference(f"{folder}/frames: no frames")
-
     def read(self, file, dataset):
-        with h5py.File(self.folder / file, "r") as h5:
-            if dataset not in h5:
-                raise Difference(f"{file}: no dataset {dataset}")
-            return h5[dataset][()]
-
-    def time(self, frame):
-        with h5py.File(frame, "r") as h5:
-            return float(h5.attrs["time"])
+        held = taut.Datasets(self.folder / file)
+        if dataset not in held:
+            raise Difference(f"{file}: no dataset {dataset}")
+        return held[dataset]
 
     def require_source(self, name, frame, file, dataset):
         """The XDMF takes a field from this frame or the mesh, and not from a neighbour of the dataset it should."""
-        if file not in ("mesh.h5", str(frame.relative_to(self.folder))):
-            raise Difference(f"field {name}: it is taken from {file} instead of {frame.name}")
-        with h5py.File(self.folder / file, "r") as h5:
-            namesakes = []
-            h5.visit(lambda path: namesakes.append("/" + path) if Path(path).name == name else None)
+        if file not in ("mesh.h5", str(frame.path.relative_to(self.folder))):
+            raise Difference(f"field {name}: it is taken from {file} instead of {frame.path.name}")
+        namesakes = ["/" + path for path in taut.Datasets(self.folder / file).read_all() if Path(path).name == name]
         if namesakes and dataset not in namesakes:
             raise Difference(f"field {name}: it is taken from {dataset} instead of {namesakes[0]}")
 
@@ -81,17 +70,13 @@ class Run:
 
 def fields_of(xdmf_path):
     """Per frame: a list of (name, "Node" or "Cell", file, dataset), as the XDMF text names them."""
-    frames = []
-    for grid in ElementTree.parse(xdmf_path).getroot().iter("Grid"):
-        if grid.get("GridType") == "Uniform":
-            frames.append([(field.get("Name"), field.get("Center"), *field.find("DataItem").text.strip().split(":"))
-                           for field in grid.findall("Attribute")])
-    return frames
+    return [[(field.get("Name"), field.get("Center"), *field.find("DataItem").text.strip().split(":"))
+             for field in grid.findall("Attribute")] for grid in uniform_grids(xdmf_path)]
 
 
 def check_frame(run, xdmf_name, shown, frame, fields):
     require_equal("positions", vtk_to_numpy(shown.GetPoints().GetData()),
-                  run.read(frame.relative_to(run.folder), "/positions"))
+                  frame.positions)
     vertices, offsets = run.cells(xdmf_name)
     require_equal("cell offsets", vtk_to_numpy(shown.GetCells().GetOffsetsArray()), offsets)
     require_equal("cell vertices", vtk_to_numpy(shown.GetCells().GetConnectivityArray()), vertices)
@@ -109,7 +94,7 @@ def check(run, xdmf_name):
     reader = simple.XDMFReader(FileNames=[str(path)])
     reader.UpdatePipelineInformation()
     times = list(reader.TimestepValues) if hasattr(reader.TimestepValues, "__len__") else [reader.TimestepValues]
-    require_equal(f"{xdmf_name}: times", times, [run.time(frame) for frame in run.frames])
+    require_equal(f"{xdmf_name}: times", times, [frame.time for frame in run.frames])
     for time, frame, fields in zip(times, run.frames, fields_of(path), strict=True):
         reader.UpdatePipeline(time)
         shown = servermanager.Fetch(reader)
@@ -119,7 +104,7 @@ def check(run, xdmf_name):
             raise Difference(f"{xdmf_name} at time {time}: {difference}") from None
         names = ", ".join(name for name, *_ in fields)
         print(f"{xdmf_name} at time {time:g}: {shown.GetNumberOfPoints()} positions, "
-              f"{shown.GetNumberOfCells()} cells and {names or 'no fields'} equal {frame.name}")
+              f"{shown.GetNumberOfCells()} cells and {names or 'no fields'} equal {frame.path.name}")
     simple.Delete(reader)
 
 
@@ -129,6 +114,8 @@ def main():
     folder = Path(sys.argv[1])
     try:
         run = Run(folder)
+        if not run.frames:
+            raise Difference(f"{folder}/frames: no frames")
         for xdmf_name in ("frames.xdmf", "edges.xdmf"):
             if not (folder / xdmf_name).is_file():
                 raise Difference(f"{folder / xdmf_name}: no such file")

@@ -3,7 +3,7 @@
 build_packages=(g++ cmake ninja-build pkg-config libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libptscotch-dev
   libhdf5-openmpi-dev libopenblas0-serial libeigen3-dev libboost-dev libembree-dev libcgal-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
 test_packages=(python3 python3-yaml python3-h5py python3-numpy python3-matplotlib)
-check_packages=(clang clang-format clang-tidy git python3)
+check_packages=(clang clang-format clang-tidy git python3 flake8 mypy)
 sanitize_packages=(clang libclang-rt-dev llvm valgrind)
 picture_packages=(python3-paraview paraview xvfb ffmpeg)
 
@@ -25,5 +25,12 @@ install_missing() {
   DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
 }
 
-# mpirun refuses root and more ranks than cores unless told that it is meant.
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# configure PRESET [OPTION...]: the build folder of CMakePresets.json; says something only if it fails.
+configure() {
+  mkdir -p build
+  cmake --preset "$@" > build/configure.log 2>&1 || { cat build/configure.log; return 1; }
+}
+
+set -a
+source "$(dirname "${BASH_SOURCE[0]}")/taut/mpi.env"
+set +a

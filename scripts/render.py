@@ -31,7 +31,8 @@ def film(text):
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog="scripts/render", description="Draws a run: a picture, unless a film or a state is asked for.")
+    parser = argparse.ArgumentParser(prog="scripts/render",
+                                     description="Draws a run: a picture, unless a film or a state is asked for.")
     parser.add_argument("run_folder", type=Path)
     moment = parser.add_mutually_exclusive_group()
     moment.add_argument("--frame", default="last", help="number of the frame, or 'last' (default)")
@@ -44,7 +45,8 @@ def parse():
     parser.add_argument("--size", type=size, default=[1200, 900], help="WIDTHxHEIGHT in pixels (default: 1200x900)")
     parser.add_argument("--output", type=Path, help="the picture (default: picture.png in the run's folder)")
     parser.add_argument("--film", type=film, help=f"all frames, one after the other: a file {', '.join(CODECS)}")
-    parser.add_argument("--speed", type=float, default=1.0, help="of the film; 0.25 is slow motion (default: %(default)s)")
+    parser.add_argument("--speed", type=float, default=1.0,
+                        help="of the film; 0.25 is slow motion (default: %(default)s)")
     parser.add_argument("--state", action="store_true",
                         help="write run.pvsm into the run's folder; open it there: cd RUN_FOLDER && paraview run.pvsm")
     options = parser.parse_args()

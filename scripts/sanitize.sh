@@ -7,10 +7,7 @@ export UBSAN_OPTIONS=print_stacktrace=1
 # The build in build-sanitize: clang++, AddressSanitizer, UBSan, assertions of Eigen and of the C++ library, fuzzers.
 configure_sanitized() {
   install_missing "${build_packages[@]}" "${test_packages[@]}" "${sanitize_packages[@]}"
-  [ ! -f build-sanitize/build.ninja ] || return 0
-  mkdir -p build-sanitize
-  cmake -S . -B build-sanitize -G Ninja -DCMAKE_BUILD_TYPE=Sanitize -DCMAKE_CXX_COMPILER=clang++ \
-    > build-sanitize/configure.log 2>&1 || { cat build-sanitize/configure.log; return 1; }
+  [ -f build-sanitize/build.ninja ] || configure sanitize
 }
 
 # A small run of build/taut; what valgrind says about a rank is shown, and is a failure.

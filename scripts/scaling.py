@@ -1,36 +1,34 @@
 #!/usr/bin/env python3
-"""How Taut scales, by what is counted: messages, bytes, reductions, neighbours, iterations and work of each phase of a step.
+"""How Taut scales, by what is counted: messages, bytes, reductions, neighbours, iterations and work of each phase of a
+step.
 
     scripts/scaling.py strong     one cloth on 1, 2, 4 ... 64 ranks
     scripts/scaling.py weak       as many vertices on every rank
     scripts/scaling.py model      what both say of 1024 and 4096 ranks on a network of the given kind
 
-Counts do not need more cores: ranks may outnumber them. What a step takes on the clock does, so it is predicted: work of the processor,
-as measured, and a LogGP model [Alexandrov 1995] of what was counted. The model is fitted to at most 16 ranks and compared with
-what was counted on more. Tables and plots go to cases/scaling.
+Counts do not need more cores: ranks may outnumber them. What a step takes on the clock does, so it is predicted: work
+of the processor, as measured, and a LogGP model [Alexandrov 1995] of what was counted. The model is fitted to at most
+16 ranks and compared with what was counted on more. Tables and plots go to cases/scaling.
 """
 import argparse
-import csv
 import itertools
 import json
 import math
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import debian_python  # noqa: F401
 import matplotlib
 import numpy as np
 
-from studies.table import machine, number
+from studies.table import read_rows, write_rows
+from taut import launch
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
-ROOT = Path(__file__).resolve().parent.parent
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-MPIRUN = ["mpirun", "-q", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-n"]
+CASE = launch.find_case("drape")
 PHASES = ("velocity", "projection", "other")  # of a step; what is written and set up is not part of it
 FITTED = 16  # ranks up to which the model is fitted
 LARGE = (1024, 4096)
@@ -40,15 +38,14 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("strong", "weak", "model"))
     parser.add_argument("--quick", action="store_true", help="a small cloth, up to 8 ranks")
-    parser.add_argument("--out", type=Path, default=ROOT / "cases/scaling", help="where tables and plots go")
-    parser.add_argument("--program", type=Path, default=ROOT / "build/taut")
+    parser.add_argument("--out", type=Path, default=launch.ROOT / "cases/scaling", help="where tables and plots go")
+    launch.add_program(parser)
     parser.add_argument("--latency", type=float, default=1.5e-6, help="s a message is under way (1.5e-6)")
-    parser.add_argument("--overhead", type=float, default=0.5e-6, help="s a message costs its sender, and its receiver (0.5e-6)")
+    parser.add_argument("--overhead", type=float, default=0.5e-6,
+                        help="s a message costs its sender, and its receiver (0.5e-6)")
     parser.add_argument("--bandwidth", type=float, default=12.5e9, help="bytes/s of a rank (12.5e9)")
     parser.add_argument("--side", type=int, help="vertices along a side of the cloth that the model predicts (1000)")
     options = parser.parse_args()
-    if not options.program.is_file():
-        sys.exit(f"scaling: {options.program}: no such program; build it, or name it with --program")
     if min(options.latency, options.overhead) < 0 or options.bandwidth <= 0:
         sys.exit("scaling: latency and overhead cannot be negative, and bandwidth must be above 0")
     options.suffix = "-quick" if options.quick else ""
@@ -56,30 +53,30 @@ def arguments():
     return options
 
 
-def taut(options, ranks, *words):
-    done = subprocess.run([*(MPIRUN + [str(ranks)] if ranks > 1 else []), str(options.program.resolve()), *words], env=ENVIRONMENT,
-                          capture_output=True, text=True)
+def start(options, ranks, *words):
+    done = launch.run(launch.command(options.program, *words, ranks=ranks))
     if done.returncode:
-        sys.exit(f"scaling: {' '.join(words)} on {ranks} ranks: {done.stderr.strip()}")
+        sys.exit(f"scaling: {' '.join(map(str, words))} on {ranks} ranks: {done.stderr.strip()}")
 
 
 def settings(side):
-    return ["--set", f"cloth.grid.vertices=[{side}, {side}]"]
+    return launch.settings({"cloth.grid.vertices": [side, side]})
 
 
 def steps_of(side):
     """Four, as long as the mesh lets them be: 0.7 s over the vertices of a side."""
     end = 4 * 0.7 / side
-    return ["--set", f"time.max_step={0.7 / side}", "--set", f"time.end={end}", "--set", f"time.frame_rate={1 / end}"]
+    return launch.settings({"time.max_step": 0.7 / side, "time.end": end, "time.frame_rate": 1 / end})
 
 
 def figures(options, side, ranks):
     """Of the partition, by `taut partition`."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "figures.json")
-        taut(options, 1, "partition", str(ROOT / "cases/drape/case.yaml"), "--ranks", str(ranks), "--json", str(path), *settings(side))
+        start(options, 1, "partition", CASE, "--ranks", ranks, "--json", path, *settings(side))
         f = json.loads(path.read_text())
-    return {"vertices_of_rank": f["vertices"]["mean"], "imbalance_of_vertices": f["imbalance"], "ghosts": f["ghosts"]["mean"],
+    return {"vertices_of_rank": f["vertices"]["mean"], "imbalance_of_vertices": f["imbalance"],
+            "ghosts": f["ghosts"]["mean"],
             "ghost_edges": f["ghost_edges"]["mean"], "neighbours_of_part": f["neighbours"]["mean"],
             "yarn_segments": f["yarn_segments"]["mean"]}
 
@@ -88,8 +85,8 @@ def measure(options, side, ranks):
     """A row a phase: means over the ranks of what a step counts, rejected ones included."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "counters.json")
-        taut(options, ranks, "run", str(ROOT / "cases/drape/case.yaml"), "--out", f"{folder}/out", "--counters", str(path),
-             *steps_of(side), "--set", "output.fields=[position]", *settings(side))
+        start(options, ranks, "run", CASE, "--out", f"{folder}/out", "--counters", path, *steps_of(side),
+              *launch.settings({"output.fields": ["position"]}), *settings(side))
         counted = json.loads(path.read_text())
     steps = counted["steps"] + counted["rejected_steps"]
     part = figures(options, side, ranks)
@@ -97,31 +94,31 @@ def measure(options, side, ranks):
     for name in PHASES:
         phase = counted["phases"][name]
         a_step = {key: phase[key]["mean"] / steps
-                  for key in ("seconds", "work_seconds", "messages", "bytes", "reductions", "halo_updates", "halo_messages")}
-        rows.append({"side": side, "ranks": ranks, "phase": name, "steps": steps, "solves": phase.get("solves", 0) / steps, "iterations": phase.get("iterations", 0) / steps,
-                     **a_step, "messages_max": phase["messages"]["max"] / steps, "bytes_max": phase["bytes"]["max"] / steps,
+                  for key in ("seconds", "work_seconds", "messages", "bytes", "reductions", "halo_updates",
+                              "halo_messages")}
+        rows.append({"side": side, "ranks": ranks, "phase": name, "steps": steps,
+                     "solves": phase.get("solves", 0) / steps, "iterations": phase.get("iterations", 0) / steps,
+                     **a_step, "messages_max": phase["messages"]["max"] / steps,
+                     "bytes_max": phase["bytes"]["max"] / steps,
                      "neighbours": phase["neighbours"]["mean"], "imbalance": phase["imbalance"], **part})
         if name != "other":
-            print(f"{ranks:>4} ranks  {side} x {side}  {name:<10}  {rows[-1]['solves']:4.1f} solves  {rows[-1]['iterations']:6.1f} iterations  {a_step['messages']:8.1f} messages  "
-                  f"{a_step['bytes'] / 1000:9.1f} kB  {a_step['reductions']:6.1f} reductions  {rows[-1]['neighbours']:5.1f} neighbours  "
+            print(f"{ranks:>4} ranks  {side} x {side}  {name:<10}  {rows[-1]['solves']:4.1f} solves "
+                  f" {rows[-1]['iterations']:6.1f} iterations  {a_step['messages']:8.1f} messages  "
+                  f"{a_step['bytes'] / 1000:9.1f} kB  {a_step['reductions']:6.1f} reductions "
+                  f" {rows[-1]['neighbours']:5.1f} neighbours  "
                   f"{1000 * a_step['work_seconds']:8.2f} ms of work", flush=True)
     return rows
 
 
 def write(path, rows):
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, [*rows[0], "machine"], lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            writer.writerow({**{k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()}, "machine": machine()})
+    write_rows(path, rows)
 
 
 def read(path):
     if not path.exists():
         sys.exit(f"scaling: {path}: no such table; make it with scripts/scaling.py {path.stem.split('-')[0]}")
-    with open(path, newline="") as file:
-        return [{name: number(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    return read_rows(path)
 
 
 def study(options):
@@ -139,7 +136,8 @@ def study(options):
 
 def draw_counts(path, rows):
     figure, axes = plt.subplots(2, 3, figsize=(13, 7), layout="constrained")
-    kinds = (("iterations", "CG iterations of all solves"), ("messages", "messages of a rank"), ("bytes", "bytes of a rank"),
+    kinds = (("iterations", "CG iterations of all solves"), ("messages", "messages of a rank"),
+             ("bytes", "bytes of a rank"),
              ("reductions", "reductions"), ("neighbours", "neighbours"), ("work_seconds", "work of a rank, s"))
     for panel, (key, label) in zip(axes.flat, kinds):
         for name in ("velocity", "projection"):
@@ -159,17 +157,20 @@ def draw_counts(path, rows):
 
 # What each count of a phase may be made of: non-negative multiples of these.
 FEATURES = {
-    "iterations": {"solves": lambda r: r["solves"], "solves x log2 ranks": lambda r: r["solves"] * math.log2(r["ranks"]),
+    "iterations": {"solves": lambda r: r["solves"],
+                   "solves x log2 ranks": lambda r: r["solves"] * math.log2(r["ranks"]),
                    "solves x log2 side": lambda r: r["solves"] * math.log2(r["side"])},
     "reductions": {"1": lambda r: 1.0, "iterations": lambda r: r["iterations"]},
     "halo_updates": {"1": lambda r: 1.0, "iterations": lambda r: r["iterations"]},
     "messages": {"iterations x neighbours": lambda r: r["iterations"] * r["neighbours_of_part"],
                  "iterations x sqrt ranks": lambda r: r["iterations"] * min(r["yarn_segments"], math.sqrt(r["ranks"]))},
     "bytes": {"iterations x ghosts": lambda r: r["iterations"] * r["ghosts"],
-              "iterations x yarn segments": lambda r: r["iterations"] * (r["yarn_segments"] if r["ranks"] > 1 else 0.0)},
+              "iterations x yarn segments": lambda r: r["iterations"] * (r["yarn_segments"]
+                                                                         if r["ranks"] > 1 else 0.0)},
     "work_seconds": {"vertices": lambda r: r["vertices_of_rank"], "1": lambda r: 1.0,
                      "iterations x vertices": lambda r: r["iterations"] * r["vertices_of_rank"],
-                     "iterations x ghosts": lambda r: r["iterations"] * r["ghosts"], "iterations": lambda r: r["iterations"]},
+                     "iterations x ghosts": lambda r: r["iterations"] * r["ghosts"],
+                     "iterations": lambda r: r["iterations"]},
 }
 
 
@@ -201,8 +202,9 @@ def predict(fits, row):
 
 
 def seconds(row, options):
-    """LogGP: a message costs its two ends `overhead` each and is under way for `latency`; messages of one exchange are under way
-    together; a reduction is ceil(log2 ranks) messages one after the other. Whoever has most vertices sets the pace."""
+    """LogGP: a message costs its two ends `overhead` each and is under way for `latency`; messages of one exchange are
+    under way together; a reduction is ceil(log2 ranks) messages one after the other. Whoever has most vertices sets the
+    pace."""
     work = row["work_seconds"] * row["imbalance_of_vertices"]
     rounds = row["halo_updates"] if row["ranks"] > 1 else 0
     halos = 2 * options.overhead * row["messages"] + options.latency * rounds + row["bytes"] / options.bandwidth
@@ -213,7 +215,8 @@ def seconds(row, options):
 def model(options):
     rows = [row for what in ("strong", "weak") for row in read(options.out / f"{what}{options.suffix}.csv")]
     fitted = 4 if options.quick else FITTED
-    fits = {p: {key: fit(key, [r for r in rows if r["phase"] == p and r["ranks"] <= fitted]) for key in FEATURES} for p in PHASES}
+    fits = {p: {key: fit(key, [r for r in rows if r["phase"] == p and r["ranks"] <= fitted]) for key in FEATURES}
+            for p in PHASES}
     lines = [f"Fitted to at most {fitted} ranks. Predicted over counted on more:", ""]
     errors = []
     for row in (r for r in rows if r["ranks"] > fitted and r["phase"] != "other"):
@@ -225,11 +228,15 @@ def model(options):
     for key in FEATURES:
         off = [abs(e[key] - 1) for e in errors if key in e]
         lines.append(f"  {key}: off by {100 * np.mean(off):.0f} % on average, {100 * max(off):.0f} % at most")
-    lines += ["", f"A step of {options.side} x {options.side} vertices, ms (latency {options.latency * 1e6:g} us, overhead "
-              f"{options.overhead * 1e6:g} us, {options.bandwidth / 1e9:g} GB/s a rank):", "",
-              f"  {'ranks':>5} {'vertices':>9} {'work':>9} {'halos':>9} {'reductions':>10} {'step':>9} {'speed-up':>9} {'efficiency':>10}"]
-    solves = {p: float(np.mean([r["solves"] for r in rows if r["phase"] == p and r["side"] == rows[0]["side"]])) for p in PHASES}
-    lines.insert(-2, f"  with {solves['projection']:.1f} projections, as many as at {rows[0]['side']:.0f} x {rows[0]['side']:.0f}")
+    lines += ["", f"A step of {options.side} x {options.side} vertices, ms "
+              f"(latency {options.latency * 1e6:g} us, overhead {options.overhead * 1e6:g} us, "
+              f"{options.bandwidth / 1e9:g} GB/s a rank):", "",
+              f"  {'ranks':>5} {'vertices':>9} {'work':>9} {'halos':>9} {'reductions':>10} {'step':>9} {'speed-up':>9} "
+              f"{'efficiency':>10}"]
+    solves = {p: float(np.mean([r["solves"] for r in rows if r["phase"] == p and r["side"] == rows[0]["side"]]))
+              for p in PHASES}
+    lines.insert(-2, f"  with {solves['projection']:.1f} projections, as many as at {rows[0]['side']:.0f} x "
+                     f"{rows[0]['side']:.0f}")
     table, alone = [], None
     for ranks in (1, 4, 16, 64, 256, *LARGE):
         part = {**figures(options, options.side, ranks), "ranks": ranks, "side": options.side}
@@ -238,7 +245,8 @@ def model(options):
         step = sum(total.values())
         alone = alone or step
         table.append({"side": options.side, "ranks": ranks, **total, "step": step, "efficiency": alone / step / ranks})
-        lines.append(f"  {ranks:>5} {part['vertices_of_rank']:>9.0f} " + " ".join(f"{1000 * total[k]:>{w}.3f}" for k, w in
+        lines.append(f"  {ranks:>5} {part['vertices_of_rank']:>9.0f} " + " ".join(f"{1000 * total[k]:>{w}.3f}"
+                                                                                  for k, w in
                      (("work", 9), ("halos", 9), ("reductions", 10))) +
                      f" {1000 * step:>9.3f} {alone / step:>9.0f} {100 * alone / step / ranks:>9.0f}%")
     stem = options.out / f"model{options.suffix}"
@@ -254,7 +262,8 @@ def draw_model(path, table):
     for key in ("step", "work", "halos", "reductions"):
         axis.plot(ranks, [1000 * row[key] if row[key] else float("nan") for row in table], "o-", label=key)
     axis.plot(ranks, [1000 * table[0]["step"] / p for p in ranks], "k:", label="ideal")
-    axis.set(xscale="log", yscale="log", xlabel="ranks", ylabel="ms a step", title=f"{table[0]['side']} x {table[0]['side']} vertices, predicted")
+    axis.set(xscale="log", yscale="log", xlabel="ranks", ylabel="ms a step",
+             title=f"{table[0]['side']} x {table[0]['side']} vertices, predicted")
     axis.set_xticks(ranks, [str(p) for p in ranks])
     axis.grid(alpha=0.3)
     axis.legend()

@@ -8,39 +8,29 @@ A row that is in the table already is not run again: a study that was interrupte
 seconds of the time steps, without set-up and output. Ends with 0 if the verdict is that the claim holds, else with 1.
 """
 import argparse
-import os
 import sys
 from pathlib import Path
 
-try:
-    import h5py  # noqa: F401
-    import matplotlib
-    import yaml  # noqa: F401
-except ImportError:  # the packages come from Debian, so its Python is the fallback for another one in the PATH
-    if sys.executable.startswith("/usr/bin/"):
-        sys.exit("study.py needs the Debian packages python3-h5py python3-matplotlib python3-numpy python3-yaml")
-    os.execv("/usr/bin/python3", ["/usr/bin/python3", *sys.argv])
+import debian_python  # noqa: F401
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from studies import (contact_models, figure_1, figure_3, figure_4, figure_5, figure_6, figure_7, locking, resolution,
+                     shake_failures)
+from studies.experiment import Experiment, Laboratory
+from taut import launch
 
-from studies import contact_models, figure_1, figure_3, figure_4, figure_5, figure_6, figure_7, locking, resolution, shake_failures
-from studies.runs import ROOT, Laboratory
-from studies.table import Table
-
-STUDIES = {study.name: study for study in (figure_1.STUDY, figure_3.STUDY, *figure_4.STUDIES, *figure_5.STUDIES, figure_6.STUDY,
-                                           figure_7.STUDY, shake_failures.STUDY, locking.STUDY, resolution.STUDY,
-                                           contact_models.STUDY)}
+SINGLE = (figure_1, figure_3, figure_6, figure_7, shake_failures, locking, resolution, contact_models)
+STUDIES = {study.name: study for study in (*map(Experiment.of, SINGLE), *figure_4.STUDIES, *figure_5.STUDIES)}
 
 
 def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("study", choices=STUDIES)
+    parser.add_argument("study", choices=sorted(STUDIES))
     parser.add_argument("--quick", action="store_true", help="a small version")
     parser.add_argument("--limit", type=float, default=300,
-                        help="seconds for a run; one that takes longer is stopped and counts as far as it came (default: 300)")
-    parser.add_argument("--out", type=Path, default=ROOT / "cases/studies", help="default: %(default)s")
-    parser.add_argument("--program", type=Path, default=ROOT / "build/taut", help="default: %(default)s")
+                        help="seconds for a run; one that takes longer is stopped and counts as far as it came "
+                             "(default: 300)")
+    parser.add_argument("--out", type=Path, default=launch.ROOT / "cases/studies", help="default: %(default)s")
+    launch.add_program(parser)
     return parser.parse_args()
 
 
@@ -49,19 +39,11 @@ def main():
     study = STUDIES[options.study]
     options.out.mkdir(parents=True, exist_ok=True)
     stem = options.out / (study.name + ("-quick" if options.quick else ""))
-    table = Table(stem.with_suffix(".csv"), study.keys)
     with Laboratory(options.program, stem, options.limit) as laboratory:
-        for point in study.plan(options.quick):
-            if table.has(point):
-                continue
-            print("  ".join(f"{key} {value}" for key, value in point.items()), flush=True)
-            found = study.measure(laboratory, point)
-            table.add([{**point, **row} for row in (found if isinstance(found, list) else [found])])
-    figure, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
-    study.draw(axes, table.rows)
-    figure.savefig(stem.with_suffix(".png"), dpi=130)
-    holds, findings = study.judge(table.rows)
-    text = f"{study.name}: {study.claim}\n{findings}\nThe claim {'holds' if holds else 'does not hold'} here.\n"
+        rows = study.fill(stem.with_suffix(".csv"), laboratory, options.quick).rows
+    study.plot(rows, stem.with_suffix(".png"))
+    holds, findings = study.judge(rows)
+    text = f"{study.name}: {study.about}\n{findings}\nThe claim {'holds' if holds else 'does not hold'} here.\n"
     stem.with_suffix(".txt").write_text(text)
     print(text, end="")
     sys.exit(0 if holds else 1)

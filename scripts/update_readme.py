@@ -1,22 +1,22 @@
 #!/usr/bin/env python3
 """Puts the table of all keys, as `taut schema --table` prints it, into README.md."""
 import argparse
-import pathlib
 import re
 import subprocess
 import sys
 
-root = pathlib.Path(__file__).resolve().parent.parent
+import debian_python  # noqa: F401
+
+from taut import launch
+
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--check", action="store_true", help="only say whether the table is that of the program")
-parser.add_argument("program", nargs="?", type=pathlib.Path, default=root / "build/taut", help="default: %(default)s")
+launch.add_program(parser)
 options = parser.parse_args()
-if not options.program.is_file():
-    sys.exit(f"{options.program}: no such program; build it with scripts/build, or name it")
-
-readme = root / "README.md"
+readme = launch.ROOT / "README.md"
 old = readme.read_text()
-table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True, text=True).stdout.strip()
+table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True,
+                       text=True).stdout.strip()
 begin, end = "<!-- made by scripts/update_readme.py from `taut schema --table` -->", "<!-- end -->"
 new = re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: f"{begin}\n{table}\n{end}", old, flags=re.S)
 if not options.check:

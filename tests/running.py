@@ -1,47 +1,41 @@
-"""Runs of the program for the tests that see it as a user does. COMMAND is what starts it: LAUNCHER... RANKS PROGRAM."""
-import csv
+"""Runs of the program for the tests that see it as a user does. taut.launch says which program, and what starts it.
+
+Python finds this and the package taut by PYTHONPATH=scripts:tests, which ctest sets.
+"""
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 from pathlib import Path
-from xml.etree import ElementTree
 
-import h5py
 import numpy as np
 
-COMMAND = []
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_orte_execute_quiet": "1"}
+from taut import Datasets, Run, launch
+
 SMALL = """\
 name: small
 cloth: {grid: {size: [1, 1], vertices: [11, 11]}}
 pins: [{vertices: [0]}, {vertices: [10], release: 0.25}]
 time: {end: 0.5, frame_rate: 20, max_step: 0.005}
 """
+PNG = b"\x89PNG\r\n\x1a\n"  # how such a file begins
 
 
-def take_command(words):
-    """Programs by their absolute path: tests run in folders of their own."""
-    COMMAND[:] = [os.path.abspath(word) if os.path.exists(word) else word for word in words]
-
-
-def on_ranks(ranks):
-    """COMMAND with another number of ranks; on one rank without a launcher."""
-    if ranks == 1:
-        return COMMAND[-1:]
-    return [*COMMAND[:-2], str(ranks), COMMAND[-1]]
+def script(name, *arguments, **options):
+    """What a script said, once it has come to its end."""
+    return subprocess.run([launch.ROOT / "scripts" / name, *map(str, arguments)], capture_output=True, text=True,
+                          **options)
 
 
 class Job:
     """The program at work in `folder`."""
 
     def __init__(self, folder, arguments, ranks=1):
-        self.words = [*on_ranks(ranks), *arguments]
-        self.process = subprocess.Popen(self.words, cwd=folder, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE,
+        self.words = launch.command(launch.PROGRAM, *arguments, ranks=ranks)
+        self.process = subprocess.Popen(self.words, cwd=folder, env=launch.ENVIRONMENT, text=True,
+                                        stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, start_new_session=True)
 
     def end(self, limit=60):
@@ -57,11 +51,11 @@ class Job:
     def ranks(self):
         """Process ids of the program's ranks, those of this job alone."""
         found, parents = [], [self.process.pid]
-        if program_of(self.process.pid) == os.path.realpath(COMMAND[-1]):
+        if program_of(self.process.pid) == str(launch.PROGRAM):
             return parents
         while parents:
             parents = [child for parent in parents for child in children(parent)]
-            found += [pid for pid in parents if program_of(pid) == os.path.realpath(COMMAND[-1])]
+            found += [pid for pid in parents if program_of(pid) == str(launch.PROGRAM)]
         return found
 
     def kill_all(self):
@@ -110,32 +104,35 @@ def rows(run):
 
 def table(run):
     """steps.csv without what the clock says."""
-    with open(run / "steps.csv", newline="") as file:
-        return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s")} for row in csv.DictReader(file)]
+    return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s")}
+            for row in Run(run).read_steps()[1]]
 
 
 def listed_frames(run):
     """[(file, time)] of each frame in frames.xdmf."""
-    grids = [g for g in ElementTree.parse(run / "frames.xdmf").getroot().iter("Grid") if g.get("GridType") == "Uniform"]
-    return [(g.find("Geometry/DataItem").text.strip().split(":")[0], float(g.find("Time").get("Value"))) for g in grids]
+    return Run(run).listed_frames()
 
 
 def frame(run, file):
     """All datasets of a frame, or of mesh.h5, and its time."""
-    data = {}
-    with h5py.File(run / file, "r") as h5:
-        h5.visititems(lambda name, item: data.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-        data.update({name: np.array(value) for name, value in h5.attrs.items()})
-    return data
+    data = Datasets(run / file)
+    return {**data.read_all(), **{name: np.array(value) for name, value in data.attributes.items()}}
 
 
-class Folder(unittest.TestCase):
-    """A test in a folder of its own, which holds the small case."""
+class Temporary(unittest.TestCase):
+    """A test in a folder of its own."""
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
+
+
+class Folder(Temporary):
+    """A test in a folder of its own, which holds the small case."""
+
+    def setUp(self):
+        super().setUp()
         (self.folder / "case.yaml").write_text(SMALL)
 
     def taut(self, *arguments, ranks=1, limit=60):
@@ -180,10 +177,3 @@ class Folder(unittest.TestCase):
             for name in ["positions"] if tolerance else expected:
                 error = float(np.abs(found[name] - expected[name]).max())
                 self.assertLessEqual(error, tolerance, f"{file}: {name}")
-
-
-def main(description):
-    if len(sys.argv) < 2:
-        sys.exit(description)
-    take_command(sys.argv[1:])
-    unittest.main(argv=sys.argv[:1])

@@ -3,8 +3,8 @@
 
 The skirt is cut as a flat ring between waist and hem, of quads along threads around and threads down. It starts folded:
 every thread down lies straight on a cone with waves around whose tip is the ring's centre, which stretches nothing.
-`--rings 24 --spokes 208` makes 5200 vertices, `--rings 48 --spokes 416` 20 384, `--rings 186 --spokes 1608` 300 696; the
-pin of the case holds the first SPOKES. The hips are an ellipsoid.
+`--rings 24 --spokes 208` makes 5200 vertices, `--rings 48 --spokes 416` 20 384, `--rings 186 --spokes 1608` 300 696;
+the pin of the case holds the first SPOKES. The hips are an ellipsoid.
 """
 import argparse
 from pathlib import Path
@@ -27,7 +27,8 @@ def ring_of_quads(rings, spokes):
     """Vertex r * spokes + s is on ring r and spoke s; the rings close."""
     r, s = np.meshgrid(np.arange(rings), np.arange(spokes), indexing="ij")
     after = (s + 1) % spokes
-    return np.stack([r * spokes + s, r * spokes + after, (r + 1) * spokes + after, (r + 1) * spokes + s], -1).reshape(-1, 4)
+    corners = [r * spokes + s, r * spokes + after, (r + 1) * spokes + after, (r + 1) * spokes + s]
+    return np.stack(corners, -1).reshape(-1, 4)
 
 
 def waved(wave, turn):
@@ -61,7 +62,8 @@ def hips(rings=16, spokes=32):
     ball = np.stack([np.sin(down) * np.cos(angle), np.sin(down) * np.sin(angle), np.cos(down) + 0 * angle], -1)
     points = [*(CENTRE + AXES * ball.reshape(-1, 3)), CENTRE + AXES * [0, 0, 1], CENTRE - AXES * [0, 0, 1]]
     last, top, bottom = rings * spokes, len(points) - 2, len(points) - 1
-    caps = [[face for face in ([top, s, (s + 1) % spokes], [bottom, last + (s + 1) % spokes, last + s])] for s in range(spokes)]
+    caps = [[face for face in ([top, s, (s + 1) % spokes], [bottom, last + (s + 1) % spokes, last + s])]
+            for s in range(spokes)]
     return points, [*ring_of_quads(rings, spokes), *sum(caps, [])]
 
 
@@ -76,8 +78,10 @@ def main():
     flat = np.stack([np.cos(angle), np.sin(angle), 0 * angle], -1)
     quads = ring_of_quads(options.rings, options.spokes)
     write(options.out / "skirt.obj", (radius * flat).reshape(-1, 3), quads, "A ring of cloth")
-    write(options.out / "start.obj", (radius * directions(options.spokes) + [0, 0, TIP]).reshape(-1, 3), quads, "The same, gathered")
-    write(options.out / "hips.obj", *hips(), "An ellipsoid")
+    write(options.out / "start.obj", (radius * directions(options.spokes) + [0, 0, TIP]).reshape(-1, 3), quads,
+          "The same, gathered")
+    points, faces = hips()
+    write(options.out / "hips.obj", points, faces, "An ellipsoid")
 
 
 if __name__ == "__main__":

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Writes disc.obj beside this file: a disc of one metre, rings of vertices in a Delaunay triangulation, whose edges run in
-all directions; warp along x (`vt` is the place in the plane)."""
+"""Writes disc.obj beside this file: a disc of one metre, rings of vertices in a Delaunay triangulation, whose edges run
+in all directions; warp along x (`vt` is the place in the plane)."""
 from pathlib import Path
 
 import numpy as np
 from matplotlib.tri import Triangulation
 
 RINGS, RADIUS = 24, 0.5
-points = [(0.0, 0.0)]
+rings = [(0.0, 0.0)]
 for ring in range(1, RINGS + 1):
     count = 6 * ring
     angle = 2 * np.pi * (np.arange(count) + 0.38 * ring) / count
-    points += zip(RADIUS * ring / RINGS * np.cos(angle), RADIUS * ring / RINGS * np.sin(angle))
-points = np.round(points, 6)
+    rings += zip(RADIUS * ring / RINGS * np.cos(angle), RADIUS * ring / RINGS * np.sin(angle))
+points = np.round(rings, 6)
 triangles = Triangulation(*points.T).triangles
 corners = points[triangles]
 one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]

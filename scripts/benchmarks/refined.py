@@ -1,4 +1,5 @@
-"""cases/two-pins on finer and finer meshes: what a simulated second costs, and the CG iterations of a projection on many ranks."""
+"""cases/two-pins on finer and finer meshes: what a simulated second costs, and the CG iterations of a projection on
+many ranks."""
 import math
 import tempfile
 
@@ -23,29 +24,34 @@ def fitted_exponent(numbers, values):
 
 def growth(run, sides, end, print_row):
     """The CPU seconds of the time steps, rejected ones included, of a simulated second; on one rank."""
-    print_row(["vertices", "steps (rejected)", "CG a velocity solve", "projections a step", "CG a projection", "CPU s a simulated second"])
+    print_row(["vertices", "steps (rejected)", "CG a velocity solve", "projections a step", "CG a projection",
+               "CPU s a simulated second"])
     print_row(["---"] * 6)
     costs = []
     for side in sides:
         s, _ = run(CASE, 1, sets(side, end))
         costs.append(s["seconds"]["cpu"] / s["end_time"])
         print_row([f"{side}²", f"{s['steps']} ({s['rejected_steps']})", f"{s['velocity']['ksp_iterations_mean']:.0f}",
-                   f"{s['projection']['iterations_mean']:.1f}", f"{s['projection']['ksp_iterations_mean']:.1f}", f"{costs[-1]:.3g}"])
+                   f"{s['projection']['iterations_mean']:.1f}", f"{s['projection']['ksp_iterations_mean']:.1f}",
+                   f"{costs[-1]:.3g}"])
     if len(sides) > 1:
-        print(f"\nfirst {end} s: the cost grows as n^{fitted_exponent([side * side for side in sides], costs):.2f}, n being the vertices")
+        print(f"\nfirst {end} s: the cost grows as n^{fitted_exponent([side * side for side in sides], costs):.2f}, n "
+              f"being the vertices")
 
 
 def iterations(start, go_on, sides, ranks, end, print_row):
-    """Of a cloth that has fallen for `end` seconds, on one rank, the steps of the next 0.04 s on each number of ranks."""
+    """Of a cloth that has fallen for `end` seconds, on one rank, the steps of the next 0.04 s on each number of
+    ranks."""
     print_row(["vertices", *(f"{r} rank{'s' * (r > 1)}" for r in ranks)])
     print_row(["---"] * (1 + len(ranks)))
     for side in sides:
         with tempfile.TemporaryDirectory() as folder:
             start(CASE, f"{folder}/fallen", sets(side, end, f"time.frame_rate={RATE}", "output.fields=[position]"))
-            print_row([f"{side}²", *(f"{mean_of_projections(go_on(f'{folder}/fallen', r, end + 1 / RATE), end):.1f}" for r in ranks)])
+            print_row([f"{side}²", *(f"{mean_of_projections(go_on(f'{folder}/fallen', r, end + 1 / RATE), end):.1f}"
+                                     for r in ranks)])
 
 
 def mean_of_projections(steps, since):
     """CG iterations of one, over all steps after `since`."""
-    late = [row for row in steps if float(row["time_s"]) > since * (1 + 1e-9)]
-    return sum(float(row["projection_ksp_iterations"]) for row in late) / sum(float(row["projection_iterations"]) for row in late)
+    late = steps["time_s"] > since * (1 + 1e-9)
+    return steps["projection_ksp_iterations"][late].sum() / steps["projection_iterations"][late].sum()

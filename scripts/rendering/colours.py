@@ -54,7 +54,8 @@ def colour(view, parts, field, times, options):
     """The same colours mean the same values at all `times`."""
     for part in parts:
         simple.ColorBy(part, (field.kind, field.name))
-        part.InterpolateScalarsBeforeMapping = int(field.name != "owner_rank")  # between ranks 0 and 2 there is no rank 1
+        # between ranks 0 and 2 there is no rank 1
+        part.InterpolateScalarsBeforeMapping = int(field.name != "owner_rank")
     lut = simple.GetColorTransferFunction(field.name)
     if field.name == "owner_rank":
         colour_by_rank(lut, [int(rank) for rank in np.unique(field.values(times[-1]))])

@@ -10,7 +10,8 @@ ALIASES = {"rank": "owner_rank"}
 
 
 def open_xdmf(folder, name):
-    """By its bare name: the working folder is that of the run, and a state file then holds no path that could go stale."""
+    """By its bare name: the working folder is that of the run, and a state file then holds no path that could go
+    stale."""
     if not Path(name).is_file():
         sys.exit(f"render: {folder / name}: no such file; give the output folder of a run")
     reader = simple.XDMFReader(registrationName=name, FileNames=[name])
@@ -49,5 +50,6 @@ class Field:
         """One number each: of a vector its length."""
         self.source.UpdatePipeline(time)
         data = servermanager.Fetch(self.source)
-        values = vtk_to_numpy((data.GetPointData() if self.kind == "POINTS" else data.GetCellData()).GetArray(self.name))
+        values = vtk_to_numpy((data.GetPointData()
+                               if self.kind == "POINTS" else data.GetCellData()).GetArray(self.name))
         return np.linalg.norm(values, axis=1) if values.ndim == 2 else values

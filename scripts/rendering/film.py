@@ -21,6 +21,7 @@ def make_film(scene, path, speed):
             scene.draw(time, Path(folder) / f"{k:06}.png")
         command = ["ffmpeg", "-y", "-loglevel", "error", "-framerate", f"{frame_rate(scene.times, speed):.6g}",
                    "-i", f"{folder}/%06d.png", *CODECS[path.suffix], str(path)]
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                              text=True)
     if done.returncode != 0:
         sys.exit(f"render: {path}: ffmpeg could not make the film: {done.stderr.strip()}")

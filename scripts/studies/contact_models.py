@@ -1,10 +1,12 @@
-"""One drop on a sphere with the contact of the papers and with contact inside the projection: what each keeps, and what it costs."""
+"""One drop on a sphere with the contact of the papers and with contact inside the projection: what each keeps, and what
+it costs."""
 from studies import scenes
-from studies.table import Study
 
+ABOUT = "only contact inside the projection keeps both: no strain over the limit, no intersection."
 KEYS = ["model", "vertices_a_side", "end_s"]
 MODELS = {"constraint": {"model": "constraint"}, "impulse, last": {"model": "impulse"},
-          "impulse, first": {"model": "impulse", "impulse": {"order": "contact_first"}}, "penalty": {"model": "penalty"}}
+          "impulse, first": {"model": "impulse", "impulse": {"order": "contact_first"}},
+          "penalty": {"model": "penalty"}}
 
 
 def plan(quick):
@@ -18,13 +20,14 @@ def measure(laboratory, point):
     found = run.measures()
     if "steps" in found:
         found |= {"intersections": run.summary["contact"]["intersections"], "strain_asked": 0.01,
-                  "least_gap_m": min(float(gap.min()) for _, gap in run.frames("gaps"))}
+                  "least_gap_m": min(float(frame["gaps"].min()) for frame in run.frames)}
     return found
 
 
 def draw(axes, rows):
     rows = [row for row in rows if "strain_had" in row]
-    for k, (label, key, factor) in enumerate((("largest strain, %", "strain_had", 100), ("intersections a step", "per_step", 1),
+    for k, (label, key, factor) in enumerate((("largest strain, %", "strain_had", 100),
+                                              ("intersections a step", "per_step", 1),
                                               ("CPU s per simulated s", "cpu_s_per_s", 1))):
         values = [factor * (row["intersections"] / row["steps"] if key == "per_step" else row[key]) for row in rows]
         axes.bar([n + 0.27 * (k - 1) for n in range(len(rows))], [max(v, 1e-3) for v in values], 0.25, label=label)
@@ -41,10 +44,8 @@ def judge(rows):
             continue
         if row["strain_had"] <= row["strain_asked"] and row["intersections"] == 0:
             both.append(row["model"])
-        text.append(f"{row['model']}: strain {100 * row['strain_had']:.3g} %, {row['intersections']:g} intersections in {row['steps']:g} steps, "
-                    f"gap down to {1000 * row['least_gap_m']:.2f} mm, {row['cpu_s_per_s']:.3g} CPU s per s, depth {row['depth_m']:.3f} m")
+        text.append(f"{row['model']}: strain {100 * row['strain_had']:.3g} %, {row['intersections']:g} intersections "
+                    f"in {row['steps']:g} steps, "
+                    f"gap down to {1000 * row['least_gap_m']:.2f} mm, {row['cpu_s_per_s']:.3g} CPU s per s, depth "
+                    f"{row['depth_m']:.3f} m")
     return both == ["constraint"], "; ".join(text)
-
-
-STUDY = Study("contact-models", "only contact inside the projection keeps both: no strain over the limit, no intersection.", KEYS, plan, measure,
-              draw, judge)

@@ -1,12 +1,11 @@
 """A chain by Fast Projection and by stiff implicit springs [G07 figure 4].
 
 The stiffness that keeps the strain within the limit is not known beforehand, so it is searched for each limit, step
-and solver; only the run with the stiffness found is counted. On a chain incomplete Cholesky factors are whole: that solve
-is the direct one of least overhead.
+and solver; only the run with the stiffness found is counted. On a chain incomplete Cholesky factors are whole: that
+solve is the direct one of least overhead.
 """
 from studies import scenes
-from studies.runs import smallest
-from studies.table import Study
+from studies.experiment import Experiment, smallest
 
 SOLVERS = {"fast_projection": ({}, ()), "springs, cg axis": ({}, ()),
            "springs, cg pbjacobi": ({}, ("-velocity_pc_type", "pbjacobi")),
@@ -64,7 +63,8 @@ def measure(laboratory, point):
 
 def best(rows, solver, key, value):
     """The least cost over the steps."""
-    costs = [row["cpu_s_per_s"] for row in rows if row["solver"] == solver and row[key] == value and row["status"] == "completed"]
+    costs = [row["cpu_s_per_s"] for row in rows if row["solver"] == solver and row[key] == value and
+             row["status"] == "completed"]
     return min(costs, default=None)
 
 
@@ -106,7 +106,8 @@ def against_goals(band):
 
 def judge_a(rows):
     bands = {strain: ratios(rows, "strain_asked", strain) for strain in values(rows, "strain_asked")}
-    lines = [f"at a strain of {100 * strain:g} % springs cost, times Fast Projection: {told(band)}" for strain, band in bands.items()]
+    lines = [f"at a strain of {100 * strain:g} % springs cost, times Fast Projection: {told(band)}"
+             for strain, band in bands.items()]
     lines.append(f"goals at 1 %: {against_goals(bands.get(0.01, {}))}")
     band = bands.get(0.01, {}).values()
     holds = bool(band) and min(band) <= PRINTED <= max(band)
@@ -123,7 +124,12 @@ def judge_b(rows):
     return all(min(band.values()) > 1 for band in bands.values() if band), "\n".join(lines)
 
 
-STUDIES = [Study("figure-4a", "a chain of 80 vertices at a strain of 1 %: Fast Projection is 25 times as fast as implicit springs.",
-                 KEYS, plan_a, measure, draw_over("strain_asked", "strain asked for"), judge_a),
-           Study("figure-4b", "at 1 %, Fast Projection is faster than implicit springs at every resolution at which any keep it.",
-                 KEYS, plan_b, measure, draw_over("vertices", "vertices"), judge_b)]
+STUDIES = [
+    Experiment(
+        "figure-4a",
+        "a chain of 80 vertices at a strain of 1 %: Fast Projection is 25 times as fast as implicit springs.",
+        KEYS, plan_a, measure, draw_over("strain_asked", "strain asked for"), judge_a),
+    Experiment(
+        "figure-4b",
+        "at 1 %, Fast Projection is faster than implicit springs at every resolution at which any keep it.",
+        KEYS, plan_b, measure, draw_over("vertices", "vertices"), judge_b)]

@@ -5,11 +5,11 @@ how deep the cloth has fallen, because a cloth that does not fall does not stret
 doubled until the strain is there. In the plots, hollow marks are runs that did not come to their end.
 """
 from studies import scenes
-from studies.runs import smallest
-from studies.table import Study
+from studies.experiment import Experiment, smallest
 
-METHODS = {"fast_projection": {}, "icd": {}, "sap": {}, "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}},
-           "rattle": {}, "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
+METHODS: dict[str, dict] = {
+    "fast_projection": {}, "icd": {}, "sap": {}, "shake": {}, "shake lagged": {"shake": {"matrix": "lagged"}},
+    "rattle": {}, "jacobi": {}, "gauss_seidel": {}, "xpbd": {}}
 CONSTRAINED = list(METHODS)[:5]  # of the figure, which has no RATTLE
 LIMITING = ["jacobi", "gauss_seidel"]
 KEYS = ["method", "vertices_a_side", "strain_asked", "end_s"]
@@ -37,7 +37,8 @@ def measure(laboratory, point):
     method, side, strain = (point[key] for key in KEYS[:3])
 
     def run(**options):
-        return laboratory.run(scenes.drape(side, point["end_s"], STEP, method=method.split()[0], strain=strain, **options))
+        return laboratory.run(scenes.drape(side, point["end_s"], STEP, method=method.split()[0], strain=strain,
+                                           **options))
 
     if method != "xpbd":
         return run(**METHODS[method]).measures()
@@ -63,7 +64,8 @@ def draw_over(key, label):
                            if row["method"] == method and row.get("cpu_s_per_s"))
             line, = axes.loglog([x for x, _, _ in found], [y for _, y, _ in found], "o-", label=method)
             stopped = [(x, y) for x, y, status in found if status != "completed"]
-            axes.plot([x for x, _ in stopped], [y for _, y in stopped], "o", color=line.get_color(), markerfacecolor="white")
+            axes.plot([x for x, _ in stopped], [y for _, y in stopped], "o", color=line.get_color(),
+                      markerfacecolor="white")
         axes.set_xticks(ticks := sorted({row[key] for row in rows}), [f"{value:g}" for value in ticks])
         axes.set_xticks([], minor=True)
         axes.set_xlabel(label)
@@ -96,7 +98,8 @@ def table(rows, key):
     lines = [f"growth of cost is that between {key} {min(shared(rows, key)):g} and {max(shared(rows, key)):g}"]
     for method in METHODS:
         done, asked = completed(rows, method), [row for row in rows if row["method"] == method]
-        lines.append(f"{method}: {len(done)} of {len(asked)} completed, cost grows by {told(growth(rows, method, key))}")
+        grows = told(growth(rows, method, key))
+        lines.append(f"{method}: {len(done)} of {len(asked)} completed, cost grows by {grows}")
     return lines
 
 
@@ -104,9 +107,10 @@ def fastest(rows, key):
     """[(value, the method of least cost among those that have a limit)]."""
     result = []
     for value in sorted({row[key] for row in rows}):
-        costs = {method: row["cpu_s_per_s"] for method in METHODS if method != "xpbd" for row in completed(rows, method) if row[key] == value}
+        costs = {method: row["cpu_s_per_s"] for method in METHODS if method != "xpbd" for row in completed(rows, method)
+                 if row[key] == value}
         if costs:
-            result.append((value, min(costs, key=costs.get)))
+            result.append((value, min(costs, key=lambda method: costs[method])))
     return result
 
 
@@ -121,7 +125,11 @@ def judge(rows, key):
 
 
 CLAIM = "constrained methods scale better than strain limiting, and where it is hardest Fast Projection is the fastest"
-STUDIES = [Study("figure-5a", f"over the strain limit, {CLAIM}.", KEYS, plan_a, measure,
-                 draw_over("strain_asked", "strain asked for"), lambda rows: judge(rows, "strain_asked")),
-           Study("figure-5b", f"over resolution at 1 %, {CLAIM}.", KEYS, plan_b, measure,
-                 draw_over("vertices_a_side", "vertices a side"), lambda rows: judge(rows, "vertices_a_side"))]
+STUDIES = [
+    Experiment(
+        "figure-5a", f"over the strain limit, {CLAIM}.",
+        KEYS, plan_a, measure, draw_over("strain_asked", "strain asked for"), lambda rows: judge(rows, "strain_asked")),
+    Experiment(
+        "figure-5b", f"over resolution at 1 %, {CLAIM}.",
+        KEYS, plan_b, measure, draw_over("vertices_a_side", "vertices a side"),
+        lambda rows: judge(rows, "vertices_a_side"))]

@@ -3,9 +3,9 @@
 The finest grid, which costs most of the study, runs for a shorter time; pairs are judged at the last time of all.
 """
 from studies import scenes
-from studies.runs import rms
-from studies.table import Study
+from studies.experiment import rms
 
+ABOUT = "shapes at rising resolution converge to one."
 KEYS = ["vertices_a_side", "finer", "end_s", "max_step_s"]
 
 
@@ -20,7 +20,8 @@ def measure(laboratory, point):
     def shapes(side):
         run = laboratory.whole_run(scenes.drape(side, end, step, strain=0.01))
         every = (side - 1) // (coarse - 1)
-        return [(time, x.reshape(side, side, 3)[::every, ::every].reshape(-1, 3)) for time, x in run.frames()]
+        return [(frame.time, frame.positions.reshape(side, side, 3)[::every, ::every].reshape(-1, 3))
+                for frame in run.frames]
 
     return [{"time_s": time, "rms_m": rms(x, y)} for (time, x), (_, y) in zip(shapes(coarse), shapes(fine))]
 
@@ -36,7 +37,8 @@ def of_pair(rows, pair):
 def draw(axes, rows):
     for pair in pairs(rows):
         found = of_pair(rows, pair)
-        axes.plot([row["time_s"] for row in found], [1000 * row["rms_m"] for row in found], "o-", label="{:g} and {:g} a side".format(*pair))
+        axes.plot([row["time_s"] for row in found], [1000 * row["rms_m"] for row in found], "o-",
+                  label="{:g} and {:g} a side".format(*pair))
     axes.set_xlabel("time, s")
     axes.set_ylabel("RMS distance, mm")
     axes.legend()
@@ -45,9 +47,7 @@ def draw(axes, rows):
 def judge(rows):
     shared = min(max(row["time_s"] for row in of_pair(rows, pair)) for pair in pairs(rows))
     last = {pair: next(row for row in of_pair(rows, pair) if row["time_s"] == shared) for pair in pairs(rows)}
-    lines = [f"{coarse:g} and {fine:g} vertices a side: {1000 * row['rms_m']:.2f} mm at {shared:g} s" for (coarse, fine), row in last.items()]
+    lines = [f"{coarse:g} and {fine:g} vertices a side: {1000 * row['rms_m']:.2f} mm at {shared:g} s"
+             for (coarse, fine), row in last.items()]
     distances = [row["rms_m"] for row in last.values()]
     return all(a > b for a, b in zip(distances, distances[1:])), "\n".join(lines)
-
-
-STUDY = Study("resolution", "shapes at rising resolution converge to one.", KEYS, plan, measure, draw, judge)

@@ -1,14 +1,11 @@
 """The scenes of the studies, as dicts of a case."""
-import copy
-
-import yaml
-
-from studies.runs import ROOT
+from taut import read_case
+from taut.launch import find_case
 
 
 def drape(vertices, end, step, **inextensibility):
     """cases/drape on vertices x vertices."""
-    case = copy.deepcopy(yaml.safe_load((ROOT / "cases/drape/case.yaml").read_text()))
+    case = read_case(find_case("drape"))
     case["cloth"]["grid"]["vertices"] = [vertices, vertices]
     case["pins"][1]["vertices"] = [vertices - 1]
     case["time"] = {"end": end, "frame_rate": 20, "max_step": step}
@@ -18,7 +15,7 @@ def drape(vertices, end, step, **inextensibility):
 
 def sphere(vertices, end):
     """cases/sphere on vertices x vertices, every step tested for intersections."""
-    case = yaml.safe_load((ROOT / "cases/sphere/case.yaml").read_text())
+    case = read_case(find_case("sphere"))
     case["cloth"]["grid"]["vertices"] = [vertices, vertices]
     case["time"]["end"] = end
     case["contact"] = {**case.get("contact", {}), "check": "step"}

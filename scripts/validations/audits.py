@@ -3,8 +3,10 @@ import numpy as np
 
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("A sheet thrown and let go where there is no gravity, and one that falls with damping: momentum, angular "
+         "momentum, energy.")
 KEYS = ["audit", "method"]
 SIDE, SIZE, DENSITY, STEP, RELEASE = 9, 0.5, 0.2, 0.004, 0.1
 MASS = DENSITY * SIZE**2  # kg
@@ -50,36 +52,39 @@ def masses():
     return (MASS / (SIDE - 1) ** 2 * np.outer(ends, ends)).ravel()[:, None]
 
 
-def energies(rows):
-    return [sum(value for name, value in row.items() if name.endswith("_J")) for row in rows]
+def energies(steps):
+    return sum(values for name, values in steps.items() if name.endswith("_J"))
 
 
 def growth(energy):
-    return max(0.0, *(after - before for before, after in zip(energy, energy[1:])))
+    return max(0.0, *np.diff(energy))
 
 
 def flight(laboratory, method, material, carried):
-    """From the first step of which the sheet is free: how linear momentum changes, how energy grows in a step, and by how much
-    L' = L + h sum m v' x v is violated. That holds for impulses along the edges as they are at the end of the step; bending,
-    shear and the tension carried into the step have forces of the candidate."""
+    """From the first step of which the sheet is free: how linear momentum changes, how energy grows in a step, and by
+    how much L' = L + h sum m v' x v is violated. That holds for impulses along the edges as they are at the end of the
+    step; bending, shear and the tension carried into the step have forces of the candidate."""
     run = laboratory.whole_run(thrown(method, material, carried))
-    x, v = ([field for _, field in run.frames(name)][round(RELEASE / STEP) + 1:] for name in ("positions", "velocities"))
+    frames = run.frames[round(RELEASE / STEP) + 1:]
+    x, v = ([frame[name] for frame in frames] for name in ("positions", "velocities"))
     m = masses()
     linear = np.array([(m * now).sum(axis=0) for now in v])
     angular = np.array([np.cross(at, m * now).sum(axis=0) for at, now in zip(x, v)])
     gained = STEP * np.array([np.cross(then, m * now).sum(axis=0) for now, then in zip(v, v[1:])])
     violated = np.abs(np.diff(angular, axis=0) - gained).max() / np.linalg.norm(angular, axis=1).max()
-    free = [row for row in run.steps() if row["time_s"] > RELEASE + STEP / 2]
-    energy, whole_steps = energies(free), all(row["rejected"] == 0 for row in free)
-    return {"linear": float(np.abs(linear - linear[0]).max() / np.linalg.norm(linear[0])), "growth": growth(energy) / energy[0],
+    free = run.steps["time_s"] > RELEASE + STEP / 2
+    energy, whole_steps = energies(run.steps)[free], not run.steps["rejected"][free].any()
+    return {"linear": float(np.abs(linear - linear[0]).max() / np.linalg.norm(linear[0])),
+            "growth": growth(energy) / energy[0],
             "angular": float(violated) if whole_steps else float("nan")}  # else a frame is not a step
 
 
 def damped_fall(laboratory, method):
     """A sheet let go while two corners that are not neighbours are held."""
-    case = {"cloth": cloth(method, {"bending": 1e-4, "shear": 10}, mass=1, stiffness=0.01), "pins": [{"vertices": [0, SIDE * SIDE - 1]}],
+    case = {"cloth": cloth(method, {"bending": 1e-4, "shear": 10}, mass=1, stiffness=0.01),
+            "pins": [{"vertices": [0, SIDE * SIDE - 1]}],
             "inextensibility": inextensibility(method), "time": cases.steps_of(1, STEP)}
-    return {"linear": float("nan"), "growth": growth(energies(laboratory.whole_run(case).steps())) / (MASS * G * SIZE),
+    return {"linear": float("nan"), "growth": growth(energies(laboratory.whole_run(case).steps)) / (MASS * G * SIZE),
             "angular": float("nan")}
 
 
@@ -95,7 +100,8 @@ def checks_of(row):
         yield Check(f"relative change of linear momentum, {audit}, {method}", "", 0, 1e-9, row["linear"],
                     "conserved, to the tolerance of the solvers")
     if audit.endswith("no carried tension"):
-        yield Check(f"relative violation of the angular identity in a step, {audit}, {method}", "", 0, STRAIN, row["angular"],
+        yield Check(f"relative violation of the angular identity in a step, {audit}, {method}", "", 0, STRAIN,
+                    row["angular"],
                     "L' = L + h sum m v' x v; the strain asked for")
     yield Check(f"growth of total energy in a step, {audit}, {method}", "", 0, 1e-6, row["growth"],
                 f"never grows; relative to {'m g l' if audit == 'damped fall' else 'the energy at its start'}")
@@ -118,10 +124,3 @@ def draw(axes, rows):
     axes.set_yscale("log")
     axes.set_ylabel("relative change or violation (0: at 1e-17)")
     axes.legend(fontsize=6, ncols=2)
-
-
-VALIDATION = Validation(
-    "audits",
-    "A sheet thrown and let go where there is no gravity, and one that falls with damping: momentum, angular "
-    "momentum, energy.",
-    KEYS, plan, measure, draw, judge)

@@ -1,10 +1,13 @@
-"""ASTM D1388 on the named fabrics: the overhang at which a strip reaches down by 41.5 degrees; half of it is the bending length."""
+"""ASTM D1388 on the named fabrics: the overhang at which a strip reaches down by 41.5 degrees; half of it is the
+bending length."""
 import math
 
 from validations import cases, elastica, fabrics
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
+         "make.")
 KEYS = ["fabric", "overhang_ratio"]
 ANGLE = 41.5  # degrees
 ALONG = 41
@@ -46,21 +49,17 @@ def bending_length(rows, name):
 def judge(rows):
     return [Check(f"bending length, {name}", "mm", 1000 * cases.of(rows, fabric=name)[0]["expected_c_m"],
                   10 * cases.of(rows, fabric=name)[0]["expected_c_m"], 1000 * bending_length(rows, name),
-                  "c = (B / w)^(1/3) of the fabric's own B and w (Peirce, ASTM D1388); 1 %") for name in cases.values(rows, "fabric")]
+                  "c = (B / w)^(1/3) of the fabric's own B and w (Peirce, ASTM D1388); 1 %")
+            for name in cases.values(rows, "fabric")]
 
 
 def draw(axes, rows):
     checks = judge(rows)
-    axes.plot([0, 1.05 * max(check.expected for check in checks)], [0, 1.05 * max(check.expected for check in checks)], color="0.6")
+    axes.plot([0, 1.05 * max(check.expected for check in checks)], [0, 1.05 * max(check.expected for check in checks)],
+              color="0.6")
     axes.plot([check.expected for check in checks], [check.measured for check in checks], "o")
     for check in checks:
-        axes.annotate(check.quantity.split(", ")[1], (check.expected, check.measured), xytext=(5, -8), textcoords="offset points", fontsize=8)
+        axes.annotate(check.quantity.split(", ")[1], (check.expected, check.measured), xytext=(5, -8),
+                      textcoords="offset points", fontsize=8)
     axes.set_xlabel("(B / w)^(1/3), mm")
     axes.set_ylabel("half the overhang at 41.5 degrees, mm")
-
-
-VALIDATION = Validation(
-    "bending-length",
-    "The cantilever test of ASTM D1388 on the named fabrics, against the bending length that their own numbers "
-    "make.",
-    KEYS, plan, measure, draw, judge)

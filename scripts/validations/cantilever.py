@@ -5,17 +5,21 @@ import numpy as np
 
 from validations import cases, elastica
 from validations.cases import G
-from validations.checks import Check, Validation, band
+from validations.checks import Check, band
 
+ABOUT = ("A strip of 0.2 m clamped at one end, at rest under its own weight and at 1 % strain: the master curve of "
+         "H/W over gamma.")
 KEYS = ["gamma", "bending_model", "cells", "along", "step_s"]
 LENGTH, COARSE, FINE = 0.2, 21, 41  # m; vertices along the strip
 LONG, SHORT = 0.014, 0.001  # s
 MODELS = [("yarn", "quads"), ("isometric", "quads"), ("discrete_shells", "quads"), ("baraff_witkin", "quads"),
-          ("isometric", "triangles"), ("isometric", "alternating_triangles"), ("discrete_shells", "alternating_triangles")]
+          ("isometric", "triangles"), ("isometric", "alternating_triangles"),
+          ("discrete_shells", "alternating_triangles")]
 
 
 def plan(quick):
-    curve = [(gamma, "yarn", "quads", FINE, LONG) for gamma in ((1, 10, 100) if quick else (0.5, 1, 2, 5, 10, 20, 50, 100, 500))]
+    curve = [(gamma, "yarn", "quads", FINE, LONG)
+             for gamma in ((1, 10, 100) if quick else (0.5, 1, 2, 5, 10, 20, 50, 100, 500))]
     if quick:
         return cases.points(KEYS, *curve)
     models = [(10, model, cells, COARSE, SHORT) for model, cells in MODELS]
@@ -25,7 +29,8 @@ def plan(quick):
 
 def measure(laboratory, point):
     bending = elastica.DENSITY * G * LENGTH**3 / point["gamma"]
-    case = elastica.clamped_strip(LENGTH, point["along"], {"bending": bending, "bending_model": point["bending_model"]}, point["cells"],
+    case = elastica.clamped_strip(LENGTH, point["along"], {"bending": bending, "bending_model": point["bending_model"]},
+                                  point["cells"],
                                   point["step_s"])
     return elastica.hangs(laboratory, case)
 
@@ -35,15 +40,16 @@ def stiffness_had(row):
     low, high = 0.1, 10.0
     for _ in range(20):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if elastica.hanging(row["gamma"] / middle)[0] > row["drop_m"] / LENGTH else (low, middle)
+        low, high = (middle, high) if elastica.hanging(row["gamma"] / middle)[0] > row["drop_m"] / LENGTH else (low,
+                                                                                                                middle)
     return low
 
 
 def judge(rows):
-    """On triangles also against what their hinges can make of a narrow strip. With the curvatures p along, q across and the
-    twist s they store B/2 ((p + s)^2 + (q + s)^2 + 4 s^2) per area where all are cut alike: free to choose, q = -s and s = -p/5,
-    0.8 of B/2 p^2. Cut in turn, every other vertex gives way by d, and they store B/2 ((p - d)^2 + (q - d)^2 + 4 s^2 + 4 d^2):
-    with q = d = p/5, 0.8 again."""
+    """On triangles also against what their hinges can make of a narrow strip. With the curvatures p along, q across and
+    the twist s they store B/2 ((p + s)^2 + (q + s)^2 + 4 s^2) per area where all are cut alike: free to choose, q = -s
+    and s = -p/5, 0.8 of B/2 p^2. Cut in turn, every other vertex gives way by d, and they store B/2 ((p - d)^2 + (q -
+    d)^2 + 4 s^2 + 4 d^2): with q = d = p/5, 0.8 again."""
     checks = []
     for row in rows:
         name = f"gamma {row['gamma']:g}, {row['bending_model']} on {row['cells']}, {row['along']:g} vertices along, "
@@ -66,15 +72,9 @@ def draw(axes, rows):
     for (model, cells), marker in zip(MODELS, "o+x1v^<"):
         found = cases.of(rows, bending_model=model, cells=cells)
         if found:
-            axes.loglog([row["gamma"] for row in found], [row["drop_m"] / row["reach_m"] for row in found], marker, fillstyle="none",
+            axes.loglog([row["gamma"] for row in found], [row["drop_m"] / row["reach_m"] for row in found], marker,
+                        fillstyle="none",
                         label=f"{model} on {cells}")
     axes.set_xlabel("gamma = weight per area x length^3 / bending stiffness")
     axes.set_ylabel("H / W = drop / reach of the tip")
     axes.legend()
-
-
-VALIDATION = Validation(
-    "cantilever",
-    "A strip of 0.2 m clamped at one end, at rest under its own weight and at 1 % strain: the master curve of H/W "
-    "over gamma.",
-    KEYS, plan, measure, draw, judge)

@@ -5,8 +5,10 @@ import numpy as np
 
 from validations import cases, strips
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and "
+         "tensions, by every method.")
 KEYS = ["method"]
 LINKS, LENGTH, SPAN, RISE, DENSITY = 40, 1.0, 0.7, 0.2, 0.2  # m, kg/m
 STRAIN, SPRINGS = 1e-4, 200.0  # springs: N, which the weight of the chain strains by about 1 %
@@ -15,12 +17,14 @@ KNOW_TENSION = ("fast_projection", "icd", "sap", "springs")
 
 
 def plan(quick):
-    return cases.points(KEYS, *((method,) for method in (("fast_projection", "springs") if quick else (*LIMITED, "xpbd", "springs"))))
+    methods = ("fast_projection", "springs") if quick else (*LIMITED, "xpbd", "springs")
+    return cases.points(KEYS, *((method,) for method in methods))
 
 
-def shape(horizontal, vertical, compliance):
+def shape(pull, compliance):
     """Vertices and tensions of a chain whose first link pulls with (horizontal, vertical) on the left end: the vertical
     part loses the weight of each vertex; a link is longer by its tension times `compliance`."""
+    horizontal, vertical = pull
     weight = DENSITY * LENGTH * G / LINKS
     v = vertical - weight * np.arange(LINKS)
     tension = np.hypot(horizontal, v)
@@ -33,18 +37,19 @@ def equilibrium(compliance=0.0):
     """(vertices, tensions), by Newton on the place of the right end."""
     unknown = np.array([0.5, 0.5]) * DENSITY * LENGTH * G
     for _ in range(100):
-        miss = shape(*unknown, compliance)[0][-1] - (SPAN, RISE)
-        slopes = [(shape(*(unknown + d), compliance)[0][-1] - shape(*(unknown - d), compliance)[0][-1]) / 2e-6
+        miss = shape(unknown, compliance)[0][-1] - (SPAN, RISE)
+        slopes = [(shape(unknown + d, compliance)[0][-1] - shape(unknown - d, compliance)[0][-1]) / 2e-6
                   for d in 1e-6 * np.eye(2)]
         change = np.linalg.solve(np.array(slopes).T, miss)
-        unknown = unknown - change * min(1, 0.2 / np.linalg.norm(change))
+        unknown = unknown - change * min(1.0, 0.2 / float(np.linalg.norm(change)))
         if np.linalg.norm(miss) < 1e-12:
-            return shape(*unknown, compliance)
+            return shape(unknown, compliance)
     raise ArithmeticError("no equilibrium found")
 
 
 def vee():
-    """Two straight legs, as a start. (A straight chain between two pins has no unique tension, which some methods need.)"""
+    """Two straight legs, as a start. (A straight chain between two pins has no unique tension, which some methods
+    need.)"""
     chord = np.array([SPAN, RISE])
     half = np.linalg.norm(chord) / 2
     down = np.array([RISE, -SPAN]) / np.linalg.norm(chord)
@@ -71,9 +76,10 @@ def measure(laboratory, point):
             "inextensibility": {"method": method, **inextensibility(method)}, "time": cases.steps_of(4, 0.01)}
     run = laboratory.whole_run(case)
     expected, tension = equilibrium(1 / SPRINGS if method == "springs" else 0.0)
-    found = {"distance_m": float(np.abs(run.last()[:, [0, 2]] - expected).max()), "strain": run.steps()[-1]["strain_max"]}
+    found = {"distance_m": float(np.abs(run.frames[-1].positions[:, [0, 2]] - expected).max()),
+             "strain": run.steps["strain_max"][-1]}
     if method in KNOW_TENSION:
-        found["tension_error"] = float(np.abs(run.last("tension") / tension - 1).max())
+        found["tension_error"] = float(np.abs(run.frames[-1]["tension"] / tension - 1).max())
     return {"tension_error": math.nan, **found}
 
 
@@ -82,8 +88,10 @@ def judge(rows):
     for row in rows:
         method = row["method"]
         limit = row["strain"] if method == "xpbd" else STRAIN
-        wanted = "twice the strain " + ("it has" if method == "xpbd" else f"asked for, {STRAIN:g},") + " times the length"
-        checks.append(Check(f"largest distance of a vertex from the equilibrium, {method}", "m", 0, 2 * limit * LENGTH, row["distance_m"],
+        wanted = "twice the strain " + ("it has"
+                                        if method == "xpbd" else f"asked for, {STRAIN:g},") + " times the length"
+        checks.append(Check(f"largest distance of a vertex from the equilibrium, {method}", "m", 0, 2 * limit * LENGTH,
+                            row["distance_m"],
                             f"equilibrium of the links{', elastic' if method == 'springs' else ''}; {wanted}"))
         if method in KNOW_TENSION:
             checks.append(Check(f"largest relative error of a tension, {method}", "", 0, 0.01, row["tension_error"],
@@ -98,10 +106,3 @@ def draw(axes, rows):
     axes.set_ylabel("largest distance from the equilibrium, 1e-6 m")
     axes.tick_params(axis="x", labelsize=7, rotation=20)
     axes.legend()
-
-
-VALIDATION = Validation(
-    "catenary",
-    "A chain of 40 links and 1 m between two points 0.7 m apart and 0.2 m of different height, shape and tensions, "
-    "by every method.",
-    KEYS, plan, measure, draw, judge)

@@ -1,7 +1,7 @@
-"""A validation, its verdicts, and the table of all of them."""
+"""The verdicts of validations, and the table of all of them."""
 import csv
 import math
-from typing import Callable, NamedTuple
+from typing import NamedTuple
 
 from studies.table import machine
 
@@ -24,11 +24,13 @@ class Check(NamedTuple):
         return "no reference" if math.isnan(self.expected) else "missed" if self.missed else "met"
 
     def cells(self):
-        numbers = ("" if math.isnan(value) else f"{value:.6g}" for value in (self.expected, self.measured, self.tolerance))
+        numbers = ("" if math.isnan(value) else f"{value:.6g}"
+                   for value in (self.expected, self.measured, self.tolerance))
         return [self.quantity, self.unit, *numbers, self.verdict, self.reference]
 
     def __str__(self):
-        return f"{self.verdict}: {self.quantity}: {self.measured:.6g} {self.unit}, expected {self.expected:.6g} +- {self.tolerance:.3g}"
+        expected = f"{self.expected:.6g} +- {self.tolerance:.3g}"
+        return f"{self.verdict}: {self.quantity}: {self.measured:.6g} {self.unit}, expected {expected}"
 
 
 def band(quantity, unit, low, high, measured, reference):
@@ -39,16 +41,6 @@ def band(quantity, unit, low, high, measured, reference):
 def unjudged(quantity, unit, measured, reason):
     """A value that nothing is known to compare with."""
     return Check(quantity, unit, math.nan, math.nan, measured, reason)
-
-
-class Validation(NamedTuple):
-    name: str
-    about: str  # what is compared, and with what
-    keys: list  # the columns that tell the points of the plan apart
-    plan: Callable  # (quick) -> points: dicts with the keys
-    measure: Callable  # (laboratory, point) -> a row, or a list of rows: what was measured there
-    draw: Callable  # (axes, rows)
-    judge: Callable  # (rows) -> checks
 
 
 COLUMNS = ["quantity", "unit", "expected", "measured", "tolerance", "verdict", "reference"]
@@ -64,10 +56,13 @@ def write_table(folder, judged):
     checks = [check for _, some in judged for check in some]
     missed = sum(check.missed for check in checks)
     lines = ["# Expected and measured", "",
-             f"{len(checks)} values, {missed} of them outside their tolerance. Machine: {machine()}. Made by `scripts/validate`."]
+             f"{len(checks)} values, {missed} of them outside their tolerance. Machine: {machine()}. Made by "
+             f"`scripts/validate`."]
     for validation, checks in judged:
-        lines += ["", f"## {validation.name}", "", validation.about, "", f"![{validation.name}]({validation.name}.png)", "",
+        lines += ["", f"## {validation.name}", "", validation.about, "", f"![{validation.name}]({validation.name}.png)",
+                  "",
                   "| " + " | ".join(COLUMNS) + " |", "| --- " * len(COLUMNS) + "|"]
-        lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in check.cells()).replace("| missed |", "| **missed** |") + " |"
+        lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in check.cells()).replace("| missed |",
+                                                                                                "| **missed** |") + " |"
                   for check in checks]
     (folder / "table.md").write_text("\n".join(lines) + "\n")

@@ -5,8 +5,10 @@ import numpy as np
 
 from validations import cases, fabrics, strips
 from validations.cases import G
-from validations.checks import Validation, band, unjudged
+from validations.checks import band, unjudged
 
+ABOUT = ("Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published "
+         "bands of what they are called after.")
 KEYS = ["fabric", "spacing_m", "seed"]
 DISC, SPECIMEN = 0.09, 0.15  # radii, m [BS 5058, ISO 9073-9]
 PUBLISHED = {"silk": (20, 40), "cotton": (60, 76), "wool": (40, 70), "denim": (70, 90)}  # %
@@ -16,7 +18,8 @@ PIXEL = 0.0005  # m
 def plan(quick):
     if quick:
         return cases.points(KEYS, ("polycotton", 0.01, 0))
-    return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES), *(("denim", 0.005, seed) for seed in (1, 2)),
+    return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES),
+                        *(("denim", 0.005, seed) for seed in (1, 2)),
                         *((name, 0.01, 0) for name in ("wool", "denim")))
 
 
@@ -46,8 +49,10 @@ def paint(dark, corners):
     """The pixels in a triangle: on the same side of all three edges."""
     low, high = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
     x, y = np.meshgrid(np.arange(low[0], high[0]) + 0.5, np.arange(low[1], high[1]) + 0.5)
-    sides = [(b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) for a, b in zip(corners, np.roll(corners, -1, axis=0))]
-    dark[low[1]:high[1], low[0]:high[0]] |= np.all([side >= 0 for side in sides], axis=0) | np.all([side <= 0 for side in sides], axis=0)
+    sides = [(b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
+             for a, b in zip(corners, np.roll(corners, -1, axis=0))]
+    dark[low[1]:high[1], low[0]:high[0]] |= np.all([side >= 0 for side in sides],
+                                                   axis=0) | np.all([side <= 0 for side in sides], axis=0)
 
 
 def measure(laboratory, point):
@@ -62,13 +67,14 @@ def measure(laboratory, point):
                       "material": {"damping": {"mass": 8}}},
             "pins": [{"vertices": np.flatnonzero(radius <= DISC).tolist()}], "time": cases.steps_of(3, 0.0025)}
     run = laboratory.whole_run(case)
-    x = run.last()
+    x = run.frames[-1].positions
     whole, disc = len(faces) * point["spacing_m"] ** 2, math.pi * DISC**2
     edge = x[radius > SPECIMEN - point["spacing_m"]]
     around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
     bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
-    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc), "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
-            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps()[-1]["kinetic_J"]}
+    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc),
+            "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
+            "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps["kinetic_J"][-1]}
 
 
 def nodes(radii):
@@ -103,10 +109,3 @@ def draw(axes, rows):
     axes.set_ylim(0, 100)
     axes.set_ylabel("drape coefficient, %")
     axes.legend()
-
-
-VALIDATION = Validation(
-    "cusick",
-    "Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published bands "
-    "of what they are called after.",
-    KEYS, plan, measure, draw, judge)

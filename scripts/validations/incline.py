@@ -5,8 +5,10 @@ import numpy as np
 
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("A patch of cloth on an inclined plane sticks up to Coulomb's angle and slides beyond it with Coulomb's "
+         "acceleration.")
 KEYS = ["friction", "beyond_deg", "step_s"]
 END, THICKNESS = 0.3, 0.001  # s, m
 STUCK = 1e-4  # m that a patch which sticks may creep
@@ -32,8 +34,9 @@ def measure(laboratory, point):
             "obstacles": [{"plane": {"normal": list(normal)}, "friction": point["friction"]}],
             "contact": {"thickness": THICKNESS, "check": "step"}, "time": cases.steps_of(END, point["step_s"])}
     run = laboratory.whole_run(case)
-    first, last = run.frames()[0][1], run.last()
-    return {"moved_m": float((last - first).mean(axis=0) @ down), "acceleration_m_s2": float(run.last("velocities").mean(axis=0) @ down) / END,
+    first, last = run.frames[0].positions, run.frames[-1].positions
+    return {"moved_m": float((last - first).mean(axis=0) @ down),
+            "acceleration_m_s2": float(run.frames[-1]["velocities"].mean(axis=0) @ down) / END,
             "intersections": run.summary["contact"]["intersections"]}
 
 
@@ -52,11 +55,13 @@ def judge(rows):
             checks.append(Check(f"moved after {END} s, {name}", "m", 0, STUCK, row["moved_m"], "sticks"))
         else:
             expected = of_coulomb(row["friction"], angle_of(row))
-            checks.append(Check(f"acceleration, {name}", "m/s^2", expected, 1e-3 / END + 0.01 * expected, row["acceleration_m_s2"],
+            checks.append(Check(f"acceleration, {name}", "m/s^2", expected, 1e-3 / END + 0.01 * expected,
+                                row["acceleration_m_s2"],
                                 "g (sin a - friction cos a); 1 % and 1 mm/s"))
     for friction, step in dict.fromkeys((row["friction"], row["step_s"]) for row in rows):
         sliding = [row for row in cases.of(rows, friction=friction, step_s=step) if row["beyond_deg"] > 0]
-        slope, offset = np.polyfit([row["beyond_deg"] for row in sliding], [row["acceleration_m_s2"] for row in sliding], 1)
+        slope, offset = np.polyfit([row["beyond_deg"] for row in sliding],
+                                   [row["acceleration_m_s2"] for row in sliding], 1)
         coulomb = math.degrees(math.atan(friction))
         name = f"angle at which sliding begins, friction {friction:g}, steps of {1000 * step:g} ms"
         checks.append(Check(name, "degrees", coulomb, 0.1, coulomb - offset / slope,
@@ -74,10 +79,3 @@ def draw(axes, rows):
     axes.set_xlabel("angle of the plane, degrees")
     axes.set_ylabel("acceleration, m/s^2 (grey: Coulomb)")
     axes.legend()
-
-
-VALIDATION = Validation(
-    "incline",
-    "A patch of cloth on an inclined plane sticks up to Coulomb's angle and slides beyond it with Coulomb's "
-    "acceleration.",
-    KEYS, plan, measure, draw, judge)

@@ -1,8 +1,10 @@
 """A square held by two corners that are brought together, at rest, on finer and finer meshes."""
-from studies.runs import rms
+from studies.experiment import rms
 from validations import cases
-from validations.checks import Check, Validation, band, unjudged
+from validations.checks import Check, band, unjudged
 
+ABOUT = ("A square of 1 m held by two corners 0.8 m apart, at rest: distance between its shapes on one mesh and the "
+         "next finer one.")
 KEYS = ["cells", "vertices_a_side"]
 SIDES = (11, 21, 41)
 
@@ -20,21 +22,24 @@ def shape(laboratory, cells, side):
             "inextensibility": {"strain": 1e-3, "max_iterations": 50}, "time": cases.steps_of(4, 0.0025)}
     run = laboratory.whole_run(case)
     every = (side - 1) // (SIDES[0] - 1)
-    return run.last().reshape(side, side, 3)[::every, ::every].reshape(-1, 3), run
+    return run.frames[-1].positions.reshape(side, side, 3)[::every, ::every].reshape(-1, 3), run
 
 
 def measure(laboratory, point):
     """The distance to the next finer mesh."""
     side = int(point["vertices_a_side"])
     (coarse, run), (fine, _) = (shape(laboratory, point["cells"], n) for n in (side, 2 * side - 1))
-    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps()[-1]["kinetic_J"], "rejected": run.summary["rejected_steps"]}
+    return {"to_next_m": rms(coarse, fine), "kinetic_J": run.steps["kinetic_J"][-1],
+            "rejected": run.summary["rejected_steps"]}
 
 
 def judge(rows):
     checks = []
     for coarse, fine in zip(rows, rows[1:]):
-        name = f"{coarse['vertices_a_side']:g} to {fine['vertices_a_side']:g} to {2 * fine['vertices_a_side'] - 1:g} vertices a side"
-        checks.append(band(f"distance to the next finer mesh over that before, {name}", "", 0, 1, fine["to_next_m"] / coarse["to_next_m"],
+        sides = coarse["vertices_a_side"], fine["vertices_a_side"], 2 * fine["vertices_a_side"] - 1
+        name = "{:g} to {:g} to {:g} vertices a side".format(*sides)
+        checks.append(band(f"distance to the next finer mesh over that before, {name}", "", 0, 1,
+                           fine["to_next_m"] / coarse["to_next_m"],
                            f"shrinks; {1000 * coarse['to_next_m']:.3g} and {1000 * fine['to_next_m']:.3g} mm"))
         order = cases.order(fine["to_next_m"], coarse["to_next_m"])
         if fine["vertices_a_side"] < SIDES[-1]:
@@ -49,10 +54,3 @@ def draw(axes, rows):
     axes.loglog([1000 / (row["vertices_a_side"] - 1) for row in rows], [1000 * row["to_next_m"] for row in rows], "o-")
     axes.set_xlabel("edge length, mm")
     axes.set_ylabel("RMS distance to the next finer mesh, mm")
-
-
-VALIDATION = Validation(
-    "mesh-convergence",
-    "A square of 1 m held by two corners 0.8 m apart, at rest: distance between its shapes on one mesh and the next "
-    "finer one.",
-    KEYS, plan, measure, draw, judge)

@@ -6,8 +6,10 @@ import numpy as np
 
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("Period and amplitude of small swings against the roots of the integrators; a large swing against the "
+         "elliptic integral.")
 KEYS = ["integrator", "start_rad", "step_s"]
 FREQUENCY = math.sqrt(G)  # of a small swing of 1 m, 1/s
 RATE = 10  # frames/s
@@ -25,8 +27,9 @@ def measure(laboratory, point):
                       "start": {"rotate": {"axis": [0, 1, 0], "angle": math.pi / 2 - point["start_rad"]}}},
             "pins": [{"vertices": [0]}], **cases.EXACT,
             "time": cases.steps_of(6, point["step_s"], 6 * RATE, integrator=point["integrator"])}
-    x = [(time, x[1]) for time, x in laboratory.whole_run(case).frames()]
-    times, angles = np.array([t for t, _ in x]), np.array([math.atan2(end[0], -end[2]) for _, end in x])
+    frames = laboratory.whole_run(case).frames
+    ends = [frame.positions[1] for frame in frames]
+    times, angles = np.array([frame.time for frame in frames]), np.array([math.atan2(x, -z) for x, _, z in ends])
     return small_swing(angles) if point["start_rad"] < 0.1 else {"period_s": period(times, angles)}
 
 
@@ -44,7 +47,8 @@ def period(times, angles):
     for n in np.flatnonzero((angles[:-1] > 0) & (angles[1:] <= 0)):
         near = slice(n - 1, n + 3)
         cubic = np.polyfit(times[near] - times[n], angles[near], 3)
-        crossings += [times[n] + root.real for root in np.roots(cubic) if abs(root.imag) < 1e-9 and 0 <= root.real <= 1 / RATE]
+        crossings += [times[n] + root.real for root in np.roots(cubic) if abs(root.imag) < 1e-9 and
+                      0 <= root.real <= 1 / RATE]
     return float(np.mean(np.diff(crossings)))
 
 
@@ -69,13 +73,16 @@ def judge(rows):
     for row in rows:
         name = f"{row['integrator']}, steps of {1000 * row['step_s']:g} ms"
         if row["start_rad"] == 1:
-            checks.append(Check(f"period of a swing from 1 rad, {name}", "s", large_period(1), 1e-3 * large_period(1), row["period_s"],
+            checks.append(Check(f"period of a swing from 1 rad, {name}", "s", large_period(1), 1e-3 * large_period(1),
+                                row["period_s"],
                                 "complete elliptic integral; 0.1 %"))
             continue
         z = factor(row["integrator"], FREQUENCY * row["step_s"])
-        checks += [Check(f"period of a small swing, {name}", "s", 2 * math.pi * row["step_s"] / cmath.phase(z), 1e-5, row["period_s"],
+        checks += [Check(f"period of a small swing, {name}", "s", 2 * math.pi * row["step_s"] / cmath.phase(z), 1e-5,
+                         row["period_s"],
                          "root of the integrator on x'' = -(g/l) x"),
-                   Check(f"amplitude left of a small swing after 1 s, {name}", "", abs(z) ** (1 / row["step_s"]), 1e-5, row["kept_in_1_s"],
+                   Check(f"amplitude left of a small swing after 1 s, {name}", "", abs(z) ** (1 / row["step_s"]), 1e-5,
+                         row["kept_in_1_s"],
                          "the same root")]
     return checks
 
@@ -90,10 +97,3 @@ def draw(axes, rows):
     axes.set_xlabel("time step, ms")
     axes.set_ylabel("amplitude left after 1 s (grey: the integrator's root)")
     axes.legend()
-
-
-VALIDATION = Validation(
-    "pendulum",
-    "Period and amplitude of small swings against the roots of the integrators; a large swing against the elliptic "
-    "integral.",
-    KEYS, plan, measure, draw, judge)

@@ -1,8 +1,11 @@
-"""Cloth hung by its upper side from stretchable threads: each edge is longer by the weight below it over its stiffness."""
+"""Cloth hung by its upper side from stretchable threads: each edge is longer by the weight below it over its
+stiffness."""
 from validations import cases
 from validations.cases import G
-from validations.checks import Check, Validation
+from validations.checks import Check
 
+ABOUT = ("Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for "
+         "everything in Taut that stretches.")
 KEYS = ["model", "cells"]
 LENGTH, WIDTH, DENSITY, STIFFNESS = 1.0, 0.1, 0.2, 20.0  # m, m; kg/m^2, or kg/m of a line; N/m, or N of a line
 ALONG = 11  # vertices
@@ -18,9 +21,9 @@ def plan(quick):
 def cloth(cells):
     """Hanging down by one end; a strip is one cell wide, so that its two threads share the weight."""
     turned = {"rotate": {"axis": [0, 1, 0], "angle": "90 deg"}}
-    shape = {"line": {"length": LENGTH, "vertices": ALONG}} if cells == "line" else \
-        {"grid": {"size": [LENGTH, WIDTH], "vertices": [ALONG, 2], "cells": cells}}
-    return {**shape, "start": turned}
+    if cells == "line":
+        return {"line": {"length": LENGTH, "vertices": ALONG}, "start": turned}
+    return {"grid": {"size": [LENGTH, WIDTH], "vertices": [ALONG, 2], "cells": cells}, "start": turned}
 
 
 def stretching(model, cells):
@@ -39,8 +42,8 @@ def measure(laboratory, point):
             "pins": [{"box": {"min": [-1, -1, -1e-6], "max": [1, 2, 1e-6]}}],
             "velocity": {"solver": "mumps"}, "inextensibility": inextensibility, "time": cases.steps_of(6, 0.01)}
     run = laboratory.whole_run(case)
-    lower = run.last()[:, 2].reshape(-1, ALONG)[:, -1]
-    return {"elongation_m": -lower.mean() - LENGTH, "kinetic_J": run.steps()[-1]["kinetic_J"]}
+    lower = run.frames[-1].positions[:, 2].reshape(-1, ALONG)[:, -1]
+    return {"elongation_m": -lower.mean() - LENGTH, "kinetic_J": run.steps["kinetic_J"][-1]}
 
 
 EXPECTED = DENSITY * G * LENGTH**2 / (2 * STIFFNESS)  # also of lumped masses on equal edges
@@ -58,10 +61,3 @@ def draw(axes, rows):
     axes.set_xscale("log")
     axes.set_xlabel("error of the elongation, %")
     axes.legend(loc="lower right")
-
-
-VALIDATION = Validation(
-    "static-stretch",
-    "Elongation of a line and of a strip of 1 m under their own weight, stretchable by about 5 %, for everything in "
-    "Taut that stretches.",
-    KEYS, plan, measure, draw, judge)

@@ -5,10 +5,13 @@ import numpy as np
 
 
 def equilateral(length, spacing, rows):
-    """Rows of triangles with equal sides; every other row of vertices is shifted by half a side, and filled at its ends."""
-    columns, places, lines = round(length / spacing), [], []
+    """Rows of triangles with equal sides; every other row of vertices is shifted by half a side, and filled at its
+    ends."""
+    columns, lines = round(length / spacing), []
+    places: list[tuple[float, float]] = []
     for j in range(rows + 1):
-        x = np.arange(columns + 1) * spacing if j % 2 == 0 else np.r_[0, (np.arange(columns) + 0.5) * spacing, columns * spacing]
+        shifted = np.r_[0, (np.arange(columns) + 0.5) * spacing, columns * spacing]
+        x = shifted if j % 2 else np.arange(columns + 1) * spacing
         lines.append(range(len(places), len(places) + len(x)))
         places += [(at, j * spacing * math.sqrt(3) / 2) for at in x]
     return np.array(places), [face for lower, upper in zip(lines, lines[1:]) for face in between(places, lower, upper)]
@@ -27,7 +30,8 @@ def grid(length, spacing, rows):
     """Vertices, and the four corners of each square."""
     columns = round(length / spacing)
     places = np.array([(i * spacing, j * spacing) for j in range(rows + 1) for i in range(columns + 1)])
-    corners = [(j * (columns + 1) + i, j * (columns + 1) + i + 1, (j + 1) * (columns + 1) + i + 1, (j + 1) * (columns + 1) + i)
+    corners = [(j * (columns + 1) + i, j * (columns + 1) + i + 1, (j + 1) * (columns + 1) + i + 1,
+                (j + 1) * (columns + 1) + i)
                for j in range(rows) for i in range(columns)]
     return places, corners
 

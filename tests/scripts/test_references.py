@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
 """What scripts/validate compares with, against values found by other means."""
 import math
-import sys
 import unittest
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "scripts"))
 from validations import catenary, elastica, pendulum
 
 
 class References(unittest.TestCase):
     def test_heavy_elastica(self):
         """Drop and reach from a solver of boundary-value problems; gamma / 8 where it hardly bends."""
-        for gamma, drop, reach in ((0.1, .01250, .99991), (1, .12347, .99125), (10, .70020, .65635), (100, .93752, .15922),
+        for gamma, drop, reach in ((0.1, .01250, .99991), (1, .12347, .99125), (10, .70020, .65635),
+                                   (100, .93752, .15922),
                                    (1000, .98114, .04599), (10000, .99411, .01426)):
             for found, expected in zip(elastica.hanging(gamma), (drop, reach)):
                 self.assertAlmostEqual(found, expected, delta=2e-4)
@@ -29,7 +27,8 @@ class References(unittest.TestCase):
         vertices, tension = catenary.equilibrium()
         horizontal = tension[0] * (vertices[1, 0] - vertices[0, 0]) * catenary.LINKS / catenary.LENGTH
         a = horizontal / (catenary.DENSITY * 9.81)
-        self.assertAlmostEqual(2 * a * math.sinh(catenary.SPAN / (2 * a)), math.sqrt(catenary.LENGTH**2 - catenary.RISE**2), delta=1e-3)
+        self.assertAlmostEqual(2 * a * math.sinh(catenary.SPAN / (2 * a)),
+                               math.sqrt(catenary.LENGTH**2 - catenary.RISE**2), delta=1e-3)
         self.assertLess(np.abs(vertices[-1] - (catenary.SPAN, catenary.RISE)).max(), 1e-10)
 
     def test_period_of_a_large_swing(self):

@@ -1,20 +1,12 @@
 #!/usr/bin/env python3
-"""What a run writes is the same on any number of ranks: test_output.py LAUNCHER... RANKS PROGRAM"""
+"""What a run writes is the same on any number of ranks."""
 import json
-import subprocess
-from pathlib import Path
+import unittest
 
-import h5py
 import numpy as np
 
 import running
-
-
-def datasets(path):
-    held = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: held.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    return held
+from taut import Datasets, launch
 
 
 def textured_sheet(turned):
@@ -29,7 +21,7 @@ def textured_sheet(turned):
 class Output(running.Folder):
     def mesh_of(self, ranks, *options):
         run = self.run_case(f"on-{ranks}", "--overwrite", "--set", "time.end=0.05", *options, ranks=ranks)
-        return datasets(run / "mesh.h5")
+        return Datasets(run / "mesh.h5").read_all()
 
     def test_mesh_on_any_ranks(self):
         expected = self.mesh_of(1)
@@ -50,17 +42,19 @@ class Output(running.Folder):
             self.assertEqual((a, b), (of_edge[(face[0], face[1])], of_edge[(face[0], face[3])]))
 
     def test_warp_and_weft_are_those_of_the_texture(self):
-        (self.folder / "case.yaml").write_text(running.SMALL.replace("grid: {size: [1, 1], vertices: [11, 11]}", "mesh: sheet.obj"))
+        (self.folder / "case.yaml").write_text(running.SMALL.replace("grid: {size: [1, 1], vertices: [11, 11]}",
+                                                                     "mesh: sheet.obj"))
         found = []
-        for turned in (False, True):
-            (self.folder / "sheet.obj").write_text(textured_sheet(turned))
+        for along_y in (False, True):
+            (self.folder / "sheet.obj").write_text(textured_sheet(along_y))
             mesh = self.mesh_of(2)
-            found.append({**mesh, **datasets(self.folder / "on-2/frames/frame_000001.h5")})
+            found.append({**mesh, **Datasets(self.folder / "on-2/frames/frame_000001.h5").read_all()})
         plain, turned = found
         self.assertGreater(np.abs(plain["cells/strain_warp"] - plain["cells/strain_weft"]).max(), 1e-4)
         for name in ("yarn", "strain", "tension"):
             for one, other in (("warp", "weft"), ("weft", "warp")):
-                np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9, err_msg=name)
+                np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9,
+                                           err_msg=name)
 
     def test_yarns_are_listed_for_paraview(self):
         self.mesh_of(1)
@@ -83,7 +77,8 @@ class Output(running.Folder):
     def test_counters(self):
         phases = {}
         for ranks in (1, 3):
-            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set", "time.end=0.05",
+            self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set",
+                      "time.end=0.05",
                       ranks=ranks)
             counted = json.loads((self.folder / "counters.json").read_text())
             self.assertEqual((counted["ranks"], counted["steps"]), (ranks, 10))
@@ -95,17 +90,17 @@ class Output(running.Folder):
             self.assertGreater(together["seconds"]["mean"], 0)
         velocity = phases[3]["velocity"]
         self.assertGreaterEqual(velocity["entered"]["max"], 10)
-        self.assertEqual(velocity["reductions"]["sum"], 3 * velocity["reductions"]["max"])  # everybody takes part in each
+        self.assertEqual(velocity["reductions"]["sum"],
+                         3 * velocity["reductions"]["max"])  # everybody takes part in each
         self.assertGreaterEqual(velocity["reductions"]["max"], 2 * velocity["iterations"])  # two in an iteration of CG
         self.assertLessEqual(velocity["neighbours"]["max"], 2)
         self.assertEqual(phases[3]["contact"]["entered"]["max"], 0)
 
     def test_a_slurm_job_goes_on_with_its_run(self):
-        job = [Path(__file__).resolve().parent.parent / "scripts/slurm.sh"]
-        environment = {**running.ENVIRONMENT, "TAUT": running.COMMAND[-1], "TAUT_LAUNCH": "env"}  # no srun here
+        environment = {**launch.ENVIRONMENT, "TAUT": launch.PROGRAM, "TAUT_LAUNCH": "env"}  # no srun here
 
         def submit(*words):
-            done = subprocess.run([*job, *words], cwd=self.folder, env=environment, capture_output=True, text=True)
+            done = running.script("slurm.sh", *words, cwd=self.folder, env=environment)
             return done.returncode, done.stdout, done.stderr
         first = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
         self.assertEqual(first[0], 0, first)
@@ -121,7 +116,8 @@ class Output(running.Folder):
 
 class Start(running.Folder):
     def begin(self, out, obstacle, *options, ranks=1):
-        return self.taut("run", "case.yaml", "--out", out, "--set", "time.end=0.05", "--set", f"obstacles=[{obstacle}]", *options,
+        return self.taut("run", "case.yaml", "--out", out, "--set", "time.end=0.05", "--set", f"obstacles=[{obstacle}]",
+                         *options,
                          ranks=ranks)
 
     def test_that_intersects(self):
@@ -141,4 +137,4 @@ class Start(running.Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

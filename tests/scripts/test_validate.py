@@ -1,28 +1,21 @@
 #!/usr/bin/env python3
-"""A small version of a validation, which then goes on where it was: test_validate.py NAME [LAUNCHER...] PROGRAM"""
+"""A small version of a validation, which then goes on where it was: test_validate.py NAME [RANKS]"""
 import csv
-import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-VALIDATE = Path(__file__).resolve().parent.parent / "scripts/validate"
-NAME, LAUNCHER, PROGRAM = None, [], None
-VERDICTS = {"isotropic plate": "missed", "no published band": "no reference", "not judged": "no reference"}  # by how the reference begins; else "met"
+import running
+
+NAME, RANKS = (*sys.argv[1:], "1")[:2]
+VERDICTS = {"isotropic plate": "missed", "no published band": "no reference",
+            "not judged": "no reference"}  # by how the reference begins; else "met"
 
 
 def validate(folder, name):
-    return subprocess.run([VALIDATE, name, "--quick", "--out", folder, "--program", PROGRAM, "--launch", " ".join(LAUNCHER)],
-                          capture_output=True, text=True)
+    return running.script("validate", name, "--quick", "--out", folder, "--ranks", RANKS)
 
 
-class Validation(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
-
+class Validation(running.Temporary):
     def test_meets_what_is_expected(self):
         done = validate(self.folder, NAME)
         self.assertIn(f"## {NAME}", (self.folder / "table.md").read_text(), done.stdout + done.stderr)
@@ -33,8 +26,9 @@ class Validation(unittest.TestCase):
         for row in rows:
             wanted = [verdict for words, verdict in VERDICTS.items() if row["reference"].startswith(words)] or ["met"]
             self.assertEqual(row["verdict"], wanted[0], row)
-        self.assertEqual(done.returncode, int(any(row["verdict"] == "missed" for row in rows)), done.stdout + done.stderr)
-        self.assertEqual((self.folder / f"{NAME}.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(done.returncode, int(any(row["verdict"] == "missed" for row in rows)),
+                         done.stdout + done.stderr)
+        self.assertEqual((self.folder / f"{NAME}.png").read_bytes()[:8], running.PNG)
         self.goes_on_where_it_was(done.stdout)
 
     def goes_on_where_it_was(self, first):
@@ -49,10 +43,9 @@ class Validation(unittest.TestCase):
         self.assertEqual(ran[1], ran[0][-1:], again.stderr)
 
     def test_says_what_is_wrong(self):
-        self.assertIn("no validation is called free-falls; there are free-fall,", validate(self.folder, "free-falls").stderr)
+        self.assertIn("no validation is called free-falls; there are free-fall,",
+                      validate(self.folder, "free-falls").stderr)
 
 
 if __name__ == "__main__":
-    NAME, *LAUNCHER, PROGRAM = sys.argv[1:]
-    PROGRAM = str(Path(PROGRAM).resolve())
     unittest.main(argv=sys.argv[:1])

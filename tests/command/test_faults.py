@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What may befall a run on two ranks, and that nothing is lost: test_faults.py [--repeat N] [--seed S] LAUNCHER... PROGRAM
+"""What may befall a run on two ranks, and that nothing is lost.
 
 --repeat is how often ranks are killed at random moments (default 4): one of them at odd turns, all and the launcher at
-even ones. LAUNCHER ends with a number of ranks, which is replaced, as in `mpirun -n 1`.
+even ones.
 """
 import argparse
 import contextlib
@@ -17,8 +17,8 @@ import unittest
 import h5py
 import numpy as np
 
-import running
-from running import Folder, Job, listed_frames, rows
+from running import Folder, Job, rows
+from taut import launch
 
 OPTIONS = argparse.Namespace(repeat=4, seed=None)
 # Many frames and checkpoints, so that a random moment often lies within the writing of one.
@@ -159,14 +159,16 @@ class OneRank(Faults):
         """On the second rank, which may take so many of addresses."""
         case = ["run", "case.yaml", "--out", "run", *options]
         # mpirun starts each rank with its own command.
-        limited = ["bash", "-c", f'ulimit -v {megabytes}000; exec "$0" "$@"', running.COMMAND[-1], *case]
-        words = [*running.on_ranks(2)[:-2], "1", running.COMMAND[-1], *case, ":", "-n", "1", *limited]
-        job = subprocess.Popen(words, cwd=self.folder, env=running.ENVIRONMENT, text=True, stdout=subprocess.DEVNULL,
+        limited = ["bash", "-c", f'ulimit -v {megabytes}000; exec "$0" "$@"', launch.PROGRAM, *case]
+        words = [*launch.LAUNCHER, "-n", "1", launch.PROGRAM, *case, ":", "-n", "1", *limited]
+        job = subprocess.Popen(words, cwd=self.folder, env=launch.ENVIRONMENT, text=True, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE)
         with job:
+            assert job.stderr is not None
             message = next((line for line in job.stderr if line.startswith("taut:")), "none")
             code = job.wait(timeout=5)
-        self.assertEqual(message, "taut: rank 1: not enough memory; use more ranks on more machines, or a smaller mesh\n")
+        self.assertEqual(message.strip(),
+                         "taut: rank 1: not enough memory; use more ranks on more machines, or a smaller mesh")
         self.assertEqual(code, 1)
         self.assertFalse((self.folder / "run").exists())
 
@@ -178,8 +180,10 @@ class OneRank(Faults):
         n = 1500
         number = np.arange(n * n).reshape(n, n)
         with h5py.File(self.folder / "cloth.h5", "w") as file:
-            file["rest_positions"] = np.stack([number.ravel() // n / n, number.ravel() % n / n, 0.0 * number.ravel()], axis=1)
-            file["faces"] = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=2).ravel()
+            file["rest_positions"] = np.stack([number.ravel() // n / n, number.ravel() % n / n, 0.0 * number.ravel()],
+                                              axis=1)
+            file["faces"] = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]],
+                                     axis=2).ravel()
             file["face_offsets"] = np.arange(0, 4 * (n - 1)**2 + 1, 4)
         self.assert_memory_ends(400, "--set", "cloth.mesh=cloth.h5")
 
@@ -226,7 +230,5 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--repeat", type=int, default=4, help="kills at random moments (default: 4)")
     parser.add_argument("--seed", type=int, help="of the random moments (default: another each time, told at the end)")
-    parser.add_argument("command", nargs=argparse.REMAINDER)
-    OPTIONS = parser.parse_args()
-    running.take_command(OPTIONS.command or parser.error("what starts the program is missing"))
-    unittest.main(argv=[__file__])
+    OPTIONS, others = parser.parse_known_args()
+    unittest.main(argv=[__file__, *others])

@@ -1,23 +1,22 @@
 #!/usr/bin/env python3
-"""scripts/render on small runs: what is in its pictures, its film and its state: test_render.py LAUNCHER... RANKS PROGRAM"""
+"""scripts/render on small runs: what is in its pictures, its film and its state."""
 import os
 import subprocess
-from pathlib import Path
+import unittest
 
 import matplotlib.image
 import numpy as np
 
 import running
 
-ROOT = Path(__file__).resolve().parent.parent
 SIZE = (400, 300)
 RANK_0, RANK_1 = (0x44, 0x77, 0xaa), (0xee, 0x66, 0x77)
 
 
 def render(*arguments):
-    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}  # as on a machine without a screen
-    done = subprocess.run([ROOT / "scripts/render", *map(str, arguments), "--size", "{}x{}".format(*SIZE)],
-                          env=environment, capture_output=True, text=True, timeout=150)
+    environment = {key: value for key, value in os.environ.items()
+                   if key != "DISPLAY"}  # as on a machine without a screen
+    done = running.script("render", *arguments, "--size", "{}x{}".format(*SIZE), env=environment, timeout=150)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -91,15 +90,17 @@ class Render(running.Folder):
         script = self.folder / "open.py"
         script.write_text("from paraview import simple\nsimple.LoadState('run.pvsm')\n"
                           f"simple.SaveScreenshot('shown.png', simple.GetActiveView(), ImageResolution={list(SIZE)})\n")
-        done = subprocess.run([ROOT / "scripts/with-screen", "pvpython", script], cwd=run, timeout=120, capture_output=True, text=True)
+        done = running.script("with-screen", "pvpython", script, cwd=run, timeout=120)
         self.assertEqual(done.returncode, 0, done.stderr)
         return image_of(run / "shown.png")
 
     def test_says_what_is_wrong(self):
         run = self.run_case("result", "--set", "time.end=0.1")
         for arguments, code, message in (
-                ((self.folder,), 1, f"render: {self.folder}/frames.xdmf: no such file; give the output folder of a run"),
-                ((self.folder / "nowhere",), 1, f"render: {self.folder}/nowhere: no such folder; give the output folder of a run"),
+                ((self.folder,), 1,
+                 f"render: {self.folder}/frames.xdmf: no such file; give the output folder of a run"),
+                ((self.folder / "nowhere",), 1, f"render: {self.folder}/nowhere: no such folder; give the output "
+                                                f"folder of a run"),
                 ((run, "--color", "colour"), 1, "render: there is no field colour; known are "),
                 ((run, "--frame", "99"), 1, "render: there is no frame 99; the run has the frames 0 to 2"),
                 ((run, "--film", "film.xyz"), 2, "a film ends in .mp4, .webm, .gif")):
@@ -110,4 +111,4 @@ class Render(running.Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

@@ -1,23 +1,19 @@
 #!/usr/bin/env python3
-"""Mistakes a user makes, and what Taut says to them: test_bad_input.py LAUNCHER... PROGRAM
+"""Mistakes a user makes, and what Taut says to them: test_bad_input.py [RANKS]
 
 Each mistake ends the program within LIMIT seconds with exit code 2; the message stands on stderr once, however many
 ranks there are, and no file is made, changed or removed.
 """
-import json
 import os
-import signal
-import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 from typing import NamedTuple
 
+from running import Job, Temporary
+from taut import Run
+
 LIMIT = 5  # s
-COMMAND = []  # what starts the program
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-               "OMPI_MCA_orte_execute_quiet": "1"}
+RANKS = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 
 CASE = """\
 name: small
@@ -79,7 +75,8 @@ MISTAKES = [
             "taut: --ranks 0: give the number of ranks to cut the cloth for, at least 1"),
     command("more_ranks_than_vertices", "partition case.yaml --ranks 26",
             "taut: --ranks 26: the cloth has only 25 vertices; give no more ranks than that"),
-    command("figures_to_nowhere", "partition case.yaml --ranks 2 --json none/figures.json", "taut: none/figures.json: cannot be "
+    command("figures_to_nowhere", "partition case.yaml --ranks 2 --json none/figures.json",
+            "taut: none/figures.json: cannot be "
             "written: No such file or directory; check that the folder exists, may be written to and has room"),
     command("case_missing", "run none.yaml", "taut: none.yaml: cannot be read: No such file or directory"),
     command("case_is_a_folder", "run .", "taut: .: this is a folder; name the case file in it, e.g. ./case.yaml"),
@@ -98,15 +95,19 @@ MISTAKES = [
     added("key_of_another_method", "inextensibility: {method: shake, springs: {stiffness: 9}}", "taut: case.yaml:5:43: "
           "inextensibility.springs: method shake does not use it; remove it, or choose another method"),
     option("solver_of_a_sweep", "--set inextensibility.method=jacobi --set inextensibility.solver=mumps",
-           "taut: --set inextensibility.solver=mumps: inextensibility.solver: method jacobi does not use it; remove it, or "
+           "taut: --set inextensibility.solver=mumps: inextensibility.solver: method jacobi does not use it; remove "
+           "it, or "
            "choose another method"),
     added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
-          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with method fast_projection only, of which it is "
+          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with method fast_projection only, of "
+          "which it is "
           "a part; choose that method, or contact.model: impulse, penalty or none"),
     added("contact_by_xpbd", "inextensibility: {method: xpbd}\ncontact: {model: impulse}",
-          "taut: case.yaml:5:18: inextensibility: method xpbd knows no contact; choose another, or contact.model: none"),
+          "taut: case.yaml:5:18: inextensibility: method xpbd knows no contact; choose another, or "
+          "contact.model: none"),
     added("penalty_by_mumps", "velocity: {solver: mumps}\ncontact: {model: penalty}",
-          "taut: case.yaml:5:11: velocity: solver mumps knows nothing of the springs of contact.model penalty; choose cg"),
+          "taut: case.yaml:5:11: velocity: solver mumps knows nothing of the springs of contact.model penalty; choose "
+          "cg"),
     added("order_of_a_constraint", "contact: {impulse: {order: contact_first}}",
           "taut: case.yaml:5:20: contact.impulse: is of model impulse only; remove it"),
     option("unknown_fabric", "--set cloth.fabric=denin", "taut: --set cloth.fabric=denin: cloth.fabric: unknown word "
@@ -132,7 +133,8 @@ MISTAKES = [
     mesh("face_of_five", SQUARE + "v 0 2 0\nf 1 2 3 4 5\n",
          "taut: mesh.obj:6: a face has more than 4 vertices; split it into quads and triangles"),
     mesh("zero_length_edge", "v 0 0 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "taut: mesh.obj:2: vertex 2 lies "
-         "exactly on vertex 1 (line 1), with which it shares an edge: the edge has zero length; merge the two vertices"),
+         "exactly on vertex 1 (line 1), with which it shares an edge: the edge has zero length; merge the two "
+         "vertices"),
     mesh("duplicate_edge", SQUARE + "l 1 2\nl 3 2 1\n",
          "taut: mesh.obj:6: the edge between vertices 1 and 2 is there twice (also line 5); remove one of them"),
     mesh("non_manifold", SQUARE + "v 2 0 0\nv 2 1 0\nv 1 0 1\nv 1 1 1\nf 1 2 3 4\nf 2 5 6 3\nf 2 7 8 3\n",
@@ -142,87 +144,114 @@ MISTAKES = [
          "taut: mesh.obj:8: this face and the face on line 7 run along the edge between vertices 2 and 3 in the same "
          "direction: one of them is flipped or doubled; orient all faces alike"),
     mesh("face_with_crossing_sides", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n",
-         "taut: mesh.obj:5: this face (number 1) has no area: its corners lie on one line, or its sides cross; give its "
+         "taut: mesh.obj:5: this face (number 1) has no area: its corners lie on one line, or its sides cross; give "
+         "its "
          "corners in order around it"),
     mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
          "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
     obstacle("sequence_without_number", "mesh: body.obj, sequence: {fps: 25, frames: 2}", {"body.obj": BODY},
-             "taut: case.yaml: obstacles.0.mesh: the first mesh of a sequence needs a name that ends in a number, such as body_0001.obj; "
+             "taut: case.yaml: obstacles.0.mesh: the first mesh of a sequence needs a name that ends in a number, such "
+             "as body_0001.obj; "
              "found 'body.obj'"),
-    obstacle("sequence_with_a_gap", "mesh: body_1.obj, sequence: {fps: 25, frames: 3}", {"body_1.obj": BODY, "body_3.obj": BODY},
+    obstacle("sequence_with_a_gap", "mesh: body_1.obj, sequence: {fps: 25, frames: 3}",
+             {"body_1.obj": BODY, "body_3.obj": BODY},
              "taut: body_2.obj: no such file, or it may not be read; check its name"),
     obstacle("sequence_of_other_faces", "mesh: body_1.obj, sequence: {fps: 25, frames: 2}",
              {"body_1.obj": BODY, "body_2.obj": BODY + "v 1 1 -1\nf 2 4 3\n"},
-             "taut: body_2.obj: its vertices and faces are not those of body_1.obj; all meshes of a sequence need the same, only in other "
+             "taut: body_2.obj: its vertices and faces are not those of body_1.obj; all meshes of a sequence need the "
+             "same, only in other "
              "places"),
     obstacle("sequence_at_no_rate", "mesh: body_1.obj, sequence: {fps: 0, frames: 2}", {"body_1.obj": BODY},
              "taut: case.yaml:5:48: obstacles.0.sequence.fps: 0 is out of range; it must be above 0"),
     obstacle("sequence_of_a_sphere", "sphere: {centre: [0, 0, -1], radius: 0.1}, sequence: {fps: 25, frames: 2}", {},
              "taut: case.yaml:5:67: obstacles.0.sequence: is of meshes; give the first as mesh"),
     obstacle("half_space_that_turns", "plane: {point: [0, 0, -1]}, motion: [{time: 0, rotate: {angle: 0.1}}]", {},
-             "taut: case.yaml:5:50: obstacles.0.motion: a half-space can be moved but not turned; give plane.reach, which makes it a "
+             "taut: case.yaml:5:50: obstacles.0.motion: a half-space can be moved but not turned; give plane.reach, "
+             "which makes it a "
              "triangle"),
     obstacle("union_of_nothing", "union: {parts: [], edge: 1 cm}", {},
              "taut: case.yaml:5:29: obstacles.0.union.parts: must not be empty; a union has parts"),
-    obstacle("union_of_a_plane", "union: {parts: [{plane: {}}], edge: 1 cm}", {}, "taut: case.yaml:5:31: unknown key 'plane' (known "
+    obstacle("union_of_a_plane", "union: {parts: [{plane: {}}], edge: 1 cm}", {},
+             "taut: case.yaml:5:31: unknown key 'plane' (known "
              "here: sphere, capsule, box)"),
     obstacle("union_with_negative_blend", BALL + "blend: -1 cm, edge: 1 cm}", {},
              "taut: case.yaml:5:85: obstacles.0.union.blend: -1 cm is out of range; it must be at least 0"),
-    obstacle("union_without_edge", BALL + "}", {}, "taut: case.yaml:5:21: obstacles.0.union: missing key 'edge' (about the length of "
+    obstacle("union_without_edge", BALL + "}", {}, "taut: case.yaml:5:21: obstacles.0.union: missing key 'edge' (about "
+                                                   "the length of "
              "the edges of the triangles that its surface is made of); add it"),
-    obstacle("union_with_coarse_edge", BALL + "edge: 6 cm}", {}, "taut: case.yaml:5:84: obstacles.0.union.edge: is too coarse for its "
+    obstacle("union_with_coarse_edge", BALL + "edge: 6 cm}", {},
+             "taut: case.yaml:5:84: obstacles.0.union.edge: is too coarse for its "
              "parts; give at most half the smallest radius, and a quarter of the shortest side of a box"),
-    obstacle("union_with_fine_edge", BALL + "edge: 0.1 mm}", {}, "taut: case.yaml:5:84: obstacles.0.union.edge: is too fine for its "
+    obstacle("union_with_fine_edge", BALL + "edge: 0.1 mm}", {},
+             "taut: case.yaml:5:84: obstacles.0.union.edge: is too fine for its "
              "parts, which would have millions of triangles; give at least a thousandth of their extent"),
-    obstacle("obstacle_that_is_not_a_number", "mesh: body.obj", {"body.obj": BODY.replace("v 1 0", "v nan 0")}, "taut: body.obj:2: 'nan' is not a finite number; give every vertex a finite place"),
-    obstacle("obstacle_without_faces", "mesh: body.obj", {"body.obj": "v 0 0 -1\n"}, "taut: body.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
-    added("friction_below_zero", "contact: {friction: -0.1}\n", "taut: case.yaml:5:21: contact.friction: -0.1 is out of range; it must be at least 0"),
-    added("thickness_over_an_edge", "contact: {thickness: 1}\n", "taut: case.yaml: contact.thickness: 1 m is more than half the shortest edge (0.25 m), so that neighbours would push each other apart; give at most 0.125"),
+    obstacle("obstacle_that_is_not_a_number", "mesh: body.obj", {"body.obj": BODY.replace("v 1 0", "v nan 0")},
+             "taut: body.obj:2: 'nan' is not a finite number; give every vertex a finite place"),
+    obstacle("obstacle_without_faces", "mesh: body.obj", {"body.obj": "v 0 0 -1\n"},
+             "taut: body.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
+    added("friction_below_zero", "contact: {friction: -0.1}\n",
+          "taut: case.yaml:5:21: contact.friction: -0.1 is out of range; it must be at least 0"),
+    added("thickness_over_an_edge", "contact: {thickness: 1}\n", "taut: case.yaml: contact.thickness: 1 m is more than "
+                                                                 "half the shortest edge (0.25 m), so that neighbours "
+                                                                 "would push each other apart; give at most 0.125"),
     added("averages_of_quads", "inextensibility: {constrain: vertices}\n",
-          "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines keep "
+          "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
+          "keep "
           "warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose that "
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose "
+          "that "
           "method, or edges"),
-    mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n", "taut: case.yaml: cloth.material.bending_model: yarn "
+    mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n",
+         "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",
          options=("--set", "cloth.material.bending_model=yarn")),
-    Mistake("shape_of_another_mesh", "taut: shape.obj: it has 4 vertices, the mesh 25; give the vertices of the mesh, in "
+    Mistake("shape_of_another_mesh", "taut: shape.obj: it has 4 vertices, the mesh 25; give the vertices of the mesh, "
+                                     "in "
             "the same order, in other places", options=("--set", "cloth.start.shape=shape.obj"),
             files={"shape.obj": SQUARE}),
 
     Mistake("cloth_and_cloths", "taut: case.yaml:5:1: cloths and cloth exclude each other; keep one",
             CASE + CLOTHS),
     Mistake("no_cloths", "taut: case.yaml:1:9: cloths: must not be empty; give at least one cloth", "cloths: []\n"),
-    Mistake("pin_on_no_cloth", "taut: case.yaml:4:31: pins.0.cloth: there is no cloth 'hat' (did you mean 'cat'?); give cat, "
+    Mistake("pin_on_no_cloth", "taut: case.yaml:4:31: pins.0.cloth: there is no cloth 'hat' (did you mean 'cat'?); "
+                               "give cat, "
             "or a number from 0 to 1", CLOTHS + "pins: [{vertices: [0], cloth: hat}]\n"),
-    Mistake("pin_beyond_its_cloth", "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 vertices, "
+    Mistake("pin_beyond_its_cloth", "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 "
+                                    "vertices, "
             "numbered from 0", CLOTHS + "pins: [{vertices: [25], cloth: 0}]\n"),
-    Mistake("cloth_thicker_than_an_edge", "taut: case.yaml: cloths.1.thickness: 0.1 m is more than half the shortest edge of "
-            "cloth 1 (0.1 m), so that neighbours would push each other apart; give at most 0.05", CLOTHS + "contact: {}\n",
+    Mistake("cloth_thicker_than_an_edge", "taut: case.yaml: cloths.1.thickness: 0.1 m is more than half the shortest "
+                                          "edge of "
+            "cloth 1 (0.1 m), so that neighbours would push each other apart; give at most 0.05",
+            CLOTHS + "contact: {}\n",
             options=("--set", "cloths.1.thickness=0.1")),
-    Mistake("averages_beside_quads", "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all "
+    Mistake("averages_beside_quads", "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in "
+                                     "all "
             "cloths; quads and lines keep warp and weft by their edges: choose edges",
             CLOTHS + "inextensibility: {constrain: vertices}\n"),
-    Mistake("material_of_one_cloth", "taut: case.yaml: cloths.1.material.bending_model: yarn cannot serve this mesh: its "
+    Mistake("material_of_one_cloth", "taut: case.yaml: cloths.1.material.bending_model: yarn cannot serve this mesh: "
+                                     "its "
             "triangles have no yarns; use isometric, discrete_shells or baraff_witkin", CLOTHS,
             options=("--set", "cloths.1.material.bending_model=yarn")),
     pinned("pin_without_vertex", "[{vertices: [0, 25]}]",
            "taut: case.yaml: pins.0.vertices: there is no vertex 25: the cloth has 25 vertices, numbered from 0"),
     pinned("box_without_vertex", "[{box: {min: [5, 5, 5], max: [6, 6, 6]}}]",
-           "taut: case.yaml: pins.0: no vertex of the cloth starts inside this box; `taut info CASE` tells where the cloth "
+           "taut: case.yaml: pins.0: no vertex of the cloth starts inside this box; `taut info CASE` tells where the "
+           "cloth "
            "starts"),
     pinned("vertex_in_two_pins", "[{vertices: [0]}, {near: [[0, 0, 0]]}]",
            "taut: case.yaml: pins.1: vertex 0 is held by pins.0 already; a vertex can belong to one pin only"),
     Mistake("sliding_pins_of_icd", "taut: --set inextensibility={method: icd, solver: mumps}: inextensibility: "
-            "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose solver "
+            "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
+            "solver "
             "cg",
             options=("--set", "pins=[{vertices: [0], along: [1, 0, 0]}]", "--set",
                      "inextensibility={method: icd, solver: mumps}")),
     pinned("all_pinned", "[{box: {min: [0, 0, 0], max: [1, 1, 0]}}]",
            "taut: case.yaml: pins: all 25 vertices are pinned, so nothing is left to move; pin fewer"),
     pinned("pins_stretch_an_edge", "[{vertices: [0]}, {vertices: [1], motion: [{time: 0, translate: [0.2, 0, 0]}]}]",
-           "taut: case.yaml: pins.0 and pins.1 hold the two ends of an edge, vertices 0 and 1, and bring it to a strain of "
+           "taut: case.yaml: pins.0 and pins.1 hold the two ends of an edge, vertices 0 and 1, and bring it to a "
+           "strain of "
            "0.8 at 0 s, beyond the limit 0.01; move them less, or pin only one of the two"),
 
     option("set_without_value", "--set time.end",
@@ -234,21 +263,26 @@ MISTAKES = [
     option("petsc_option_unknown", "-- -projection_nonsense 1",
            "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
            "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or -stiffness_"),
-    option("petsc_word_without_dash", "-- nonsense", "taut: 'nonsense' behind --: what stands there are PETSc options, such "
+    option("petsc_word_without_dash", "-- nonsense", "taut: 'nonsense' behind --: what stands there are PETSc options, "
+                                                     "such "
            "as -projection_ksp_monitor"),
     option("option_unknown", "--nonsense",
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition and schema, see taut --help"),
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition and schema, see "
+            "taut --help"),
     command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
 
     Mistake("output_below_a_file", "taut: case.yaml/result: cannot be written: Not a directory; choose another folder "
             "with --out", arguments=("run", "case.yaml", "--out", "case.yaml/result")),
-    Mistake("output_onto_the_case", "taut: .: the case file lies in this folder and would be replaced by the case as run; "
+    Mistake("output_onto_the_case", "taut: .: the case file lies in this folder and would be replaced by the case as "
+                                    "run; "
             "choose another folder with --out", arguments=("run", "case.yaml", "--out", ".", "--overwrite")),
-    Mistake("output_holds_a_run", "taut: result: this folder holds a run already; choose another with --out, go on with "
-            "it by taut resume, or give --overwrite to replace that run", files={"result/summary.json": "{}\n", "result/mesh.h5": "old\n"}),
+    Mistake("output_holds_a_run", "taut: result: this folder holds a run already; choose another with --out, go on "
+                                  "with "
+            "it by taut resume, or give --overwrite to replace that run",
+            files={"result/summary.json": "{}\n", "result/mesh.h5": "old\n"}),
 ]
 
 
@@ -263,32 +297,23 @@ def put(folder, files):
 
 
 def run(folder, arguments, limit=LIMIT):
-    """Exit code and stderr. What takes longer than the limit is ended, with all ranks, and fails the test."""
-    process = subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=ENVIRONMENT, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
-    try:
-        stderr = process.communicate(timeout=limit)[1]
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGTERM)
-        process.communicate()
-        raise AssertionError(f"no end after {limit} s: {' '.join(arguments)}") from None
-    return process.returncode, stderr.strip()
+    """Exit code and stderr."""
+    code, _, stderr = Job(folder, arguments, RANKS).end(limit)
+    return code, stderr
 
 
-class Folder(unittest.TestCase):
+class Folder(Temporary):
     """A test in a folder of its own, which holds the small case."""
 
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
+        super().setUp()
         put(self.folder, {"case.yaml": CASE})
 
     def run_case(self, *options, limit=LIMIT):
         return run(self.folder, ("run", "case.yaml", "--out", "result", *options), limit)
 
     def summary(self):
-        return json.loads((self.folder / "result/summary.json").read_text())
+        return Run(self.folder / "result").summary
 
 
 class Refused(Folder):
@@ -306,7 +331,8 @@ class Refused(Folder):
 class Output(Folder):
     def test_overwrite_replaces_the_run_and_nothing_else(self):
         self.assertEqual(self.run_case(), (0, ""))
-        put(self.folder, {"result/notes.txt": "mine\n", "result/frames/film.png": "mine\n", "result/steps.csv": "old\n"})
+        put(self.folder, {"result/notes.txt": "mine\n", "result/frames/film.png": "mine\n",
+                          "result/steps.csv": "old\n"})
         self.assertEqual(self.run_case("--overwrite", "--set", "time.end=0.01"), (0, ""))
         self.assertEqual(self.summary()["end_time"], 0.01)
         self.assertEqual(sorted(p.name for p in (self.folder / "result/frames").iterdir()),
@@ -380,7 +406,4 @@ for m in MISTAKES:
     setattr(Refused, f"test_{m.name}", lambda self, mistake=m: self.check(mistake))
 
 if __name__ == "__main__":
-    COMMAND = [word if not os.path.exists(word) else os.path.abspath(word) for word in sys.argv[1:]]
-    if not COMMAND:
-        sys.exit(__doc__)
     unittest.main(argv=sys.argv[:1])

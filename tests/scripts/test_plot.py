@@ -1,19 +1,18 @@
 #!/usr/bin/env python3
-"""scripts/plot on runs as they are, on half of one and on what is none: test_plot.py LAUNCHER... RANKS PROGRAM"""
-import subprocess
-from pathlib import Path
+"""scripts/plot on runs as they are, on half of one and on what is none."""
+import unittest
 
 import matplotlib.image
 import numpy as np
 
 import running
 
-PLOT = Path(__file__).resolve().parent.parent / "scripts/plot"
-HEADER = "step,time_s,dt_s,rejected,strain_max,strain_rms,projection_iterations,projection_ksp_iterations,velocity_ksp_iterations"
+HEADER = ("step,time_s,dt_s,rejected,strain_max,strain_rms,projection_iterations,projection_ksp_iterations,"
+          "velocity_ksp_iterations")
 
 
 def plot(*arguments):
-    done = subprocess.run([PLOT, *map(str, arguments)], capture_output=True, text=True, timeout=60)
+    done = running.script("plot", *arguments, timeout=60)
     return done.returncode, done.stdout.strip(), done.stderr.strip()
 
 
@@ -91,4 +90,4 @@ class Plot(running.Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

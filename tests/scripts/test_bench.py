@@ -1,28 +1,22 @@
 #!/usr/bin/env python3
-"""scripts/bench on small cloths: test_bench.py PROGRAM, beside which stand kernels and plain_xpbd"""
+"""scripts/bench on small cloths; kernels and plain_xpbd stand beside the program."""
 import json
 import math
 import subprocess
-import sys
 import unittest
-from pathlib import Path
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
-PROGRAM = None
-
-
-def bench(*words):
-    return subprocess.run([sys.executable, SCRIPTS / "bench", "--program", PROGRAM, *words], capture_output=True, text=True)
+from running import script
+from taut import launch
 
 
 def xpbd(*words):
-    done = subprocess.run([PROGRAM.parent / "plain_xpbd", *map(str, words)], capture_output=True, text=True)
+    done = subprocess.run([launch.PROGRAM.parent / "plain_xpbd", *map(str, words)], capture_output=True, text=True)
     return json.loads(done.stdout) if done.returncode == 0 else done
 
 
 class Bench(unittest.TestCase):
     def test_kernels(self):
-        done = bench("--kernels", "--side", "21")
+        done = script("bench", "--kernels", "--side", "21")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("21 x 21 vertices, 840 constraints", done.stdout)
         rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
@@ -35,7 +29,7 @@ class Bench(unittest.TestCase):
             self.assertGreater(int(rows[iterative][1]), 1)
 
     def test_baseline(self):
-        done = bench("--baseline", "--sides", "11", "--end", "0.3")
+        done = script("bench", "--baseline", "--sides", "11", "--end", "0.3")
         self.assertEqual(done.returncode, 0, done.stderr)
         taut, other = (line.split() for line in done.stdout.splitlines() if line.strip().startswith("121 "))
         self.assertLessEqual(float(taut[3]), 1)
@@ -45,7 +39,8 @@ class Bench(unittest.TestCase):
 
 class PlainXpbd(unittest.TestCase):
     def test_falls_freely(self):
-        """The middle of a sheet falls as if free, for waves from its pins have not come there: g t²/2, by symplectic Euler g t (t + h)/2."""
+        """The middle of a sheet falls as if free, for waves from its pins have not come there: g t²/2, by symplectic
+        Euler g t (t + h)/2."""
         h = 0.01 / 20
         self.assertAlmostEqual(xpbd(41, 20, 0.2)["depth"], 9.81 * 0.2 * (0.2 + h) / 2, delta=1e-3)
 
@@ -60,5 +55,4 @@ class PlainXpbd(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAM = Path(sys.argv[1]).resolve()
-    unittest.main(argv=sys.argv[:1])
+    unittest.main()

@@ -1,5 +1,5 @@
 #include "src/state/material_coordinates.hpp"
-#include "tests/differences.hpp"
+#include "tests/forces/differences.hpp"
 
 using namespace taut;
 using namespace taut::test;

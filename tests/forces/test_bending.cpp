@@ -1,7 +1,7 @@
 // The bending models: what they share, and what each is.
 #include "src/forces/angle_bending.hpp"
 #include "src/forces/isometric_bending.hpp"
-#include "tests/differences.hpp"
+#include "tests/forces/differences.hpp"
 
 #include <Eigen/Geometry>
 

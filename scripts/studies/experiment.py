@@ -1,37 +1,60 @@
-"""Runs of Taut, and what they are measured by."""
-import csv
+"""What is measured at the points of a plan, drawn and judged; and where its runs are made."""
 import json
-import os
 import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Callable, NamedTuple
 
-import h5py
+import matplotlib
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
+from studies.table import Table
+from taut import Run, launch, write_case
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
 NAME = Path(sys.argv[0]).stem
 GRACE = 30  # s for a run that was told to stop
-ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
-class Run:
-    """What a run left. Without a summary it was killed within a step, and measured nothing."""
+class Experiment(NamedTuple):
+    name: str
+    about: str  # what is claimed, or compared with what
+    keys: list  # the columns that tell the points of the plan apart
+    plan: Callable  # (quick) -> points: dicts with the keys
+    measure: Callable  # (laboratory, point) -> a row, or a list of rows: what was measured there
+    draw: Callable  # (axes, rows)
+    judge: Callable  # (rows) -> a study: (whether the claim holds, the findings in words); a validation: checks
 
-    def __init__(self, folder):
-        self.folder = folder
-        path = folder / "summary.json"
-        self.summary = json.loads(path.read_text()) if path.exists() else None
+    @classmethod
+    def of(cls, module):
+        """That of a module, which has the name of the experiment and defines the rest."""
+        name = module.__name__.rsplit(".", 1)[-1].replace("_", "-")
+        return cls(name, module.ABOUT, module.KEYS, module.plan, module.measure, module.draw, module.judge)
 
-    @property
-    def status(self):
-        return self.summary["status"] if self.summary else "killed"
+    def fill(self, path, laboratory, quick):
+        """The table in `path`, after what is missing of the plan has been measured."""
+        table = Table(path, self.keys)
+        for point in self.plan(quick):
+            if table.has(point):
+                continue
+            print(f"{self.name}:", "  ".join(f"{key} {value}" for key, value in point.items()), flush=True)
+            found = self.measure(laboratory, point)
+            table.add([{**point, **row} for row in (found if isinstance(found, list) else [found])])
+        return table
 
-    @property
-    def completed(self):
-        return self.status == "completed"
+    def plot(self, rows, path):
+        figure, axes = plt.subplots(figsize=(7, 4.5), layout="constrained")
+        self.draw(axes, rows)
+        figure.savefig(path, dpi=120)
+        plt.close(figure)
+
+
+class Trial(Run):
+    """A run, and what it is measured by."""
 
     @property
     def stopped(self):
@@ -51,39 +74,19 @@ class Run:
         steps, time, projection = s["steps"], s["end_time"], s["projection"]
         iterations = projection["iterations_mean"] * steps
         inner = projection["ksp_iterations_mean"]
-        depth = self.steps()[-1]["depth_m"]
         return {"status": s["status"], "simulated_s": time, "steps": steps, "rejected": s["rejected_steps"],
                 "cpu_s_per_s": s["seconds"]["cpu"] / time, "iterations_per_step": iterations / steps,
                 "solver_work_per_s": iterations * (inner or 1.0) / time,
                 "velocity_work_per_s": s["velocity"]["ksp_iterations_mean"] * steps / time,
-                "strain_had": self.strain, "depth_m": depth}
-
-    def frames(self, field="positions"):
-        """[(time, field)] of the frames."""
-        result = []
-        for path in sorted((self.folder / "frames").glob("frame_*.h5")):
-            with h5py.File(path) as frame:
-                result.append((float(frame.attrs["time"]), frame[field][:]))
-        return result
-
-    def last(self, field="positions"):
-        """A field of the last frame."""
-        with h5py.File(max((self.folder / "frames").glob("frame_*.h5"))) as frame:
-            return frame[field][:]
-
-    def steps(self):
-        """The rows of steps.csv, as numbers."""
-        with open(self.folder / "steps.csv", newline="") as file:
-            return [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+                "strain_had": self.strain, "depth_m": self.steps["depth_m"][-1]}
 
 
 class Laboratory:
-    """Where cases are run, in a temporary folder. A run is given `limit` s; `launcher` is what starts it on its ranks."""
+    """Where cases are run, in a temporary folder. A run is given `limit` s."""
 
-    def __init__(self, program, stem, limit, launcher=()):
-        self.program, self.stem, self.limit, self.launcher, self.runs = Path(program).resolve(), stem, limit, launcher, {}
-        if not self.program.is_file():
-            sys.exit(f"{NAME}: {program}: no such program; build it, or name it with --program")
+    def __init__(self, program, stem, limit, ranks=1):
+        self.program, self.stem, self.limit, self.ranks = program, stem, limit, ranks
+        self.runs = {}
 
     def __enter__(self):
         self.temporary = tempfile.TemporaryDirectory()
@@ -103,19 +106,18 @@ class Laboratory:
         return program
 
     def write(self, case):
-        path = self.path(f"case{len(self.runs)}.yaml")
-        path.write_text(json.dumps(case))  # JSON is YAML
-        return path
+        return write_case(self.path(f"case{len(self.runs)}.yaml"), case)
 
     def run(self, case, petsc=()):
         """The run of a case; the same case is run only once."""
         known = json.dumps([case, petsc])
         if known not in self.runs:
             folder = self.path(f"run{len(self.runs)}")
-            command = [*self.launcher, self.program, "run", self.write(case), "--out", folder, "--progress", "lines"]
-            self.finish(subprocess.Popen([*map(str, command), *(["--", *petsc] if petsc else [])], env=ENVIRONMENT,
+            words = ["run", self.write(case), "--out", folder, "--progress", "lines",
+                     *(["--", *petsc] if petsc else [])]
+            self.finish(subprocess.Popen(launch.command(self.program, *words, ranks=self.ranks), env=launch.ENVIRONMENT,
                                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True))
-            self.runs[known] = Run(folder)
+            self.runs[known] = Trial(folder)
         return self.runs[known]
 
     def whole_run(self, case):

@@ -2,7 +2,7 @@
 #include "src/forces/diagonal_springs.hpp"
 #include "src/forces/stretch.hpp"
 #include "src/state/material_coordinates.hpp"
-#include "tests/differences.hpp"
+#include "tests/forces/differences.hpp"
 
 using namespace taut;
 using namespace taut::test;

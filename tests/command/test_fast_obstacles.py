@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Obstacles faster than a step can follow, and pins that pull cloth through them: the cloth gets out of the way in shorter
-steps, or the run ends and says where: test_fast_obstacles.py LAUNCHER... RANKS PROGRAM"""
-import json
+"""Obstacles faster than a step can follow, and pins that pull cloth through them: the cloth gets out of the way in
+shorter steps, or the run ends and says where."""
+import unittest
 
-import h5py
 import numpy as np
 
 import running
+from taut import Run
 
 RANKS = (1, 2, 4)
 LIMIT = 60  # s, of a run
@@ -66,7 +66,7 @@ class Fast(running.Folder):
         (self.folder / "case.yaml").write_text(case)
         code, _, err = self.taut("run", "case.yaml", "--out", "run", "--overwrite", ranks=ranks, limit=LIMIT)
         run = self.folder / "run"
-        return code, err, json.loads((run / "summary.json").read_text()), run
+        return code, err, Run(run).summary, run
 
     def survives(self, case, ranks):
         """Its summary, of a run in which the cloth was carried along; that nothing intersects, the run tests itself."""
@@ -78,7 +78,8 @@ class Fast(running.Folder):
         return summary
 
     def fails(self, case, ranks, *names):
-        """Ends with 3, names once where and one of `names`, and leaves whole frames, all of which are listed, and no others."""
+        """Ends with 3, names once where and one of `names`, and leaves whole frames, all of which are listed, and no
+        others."""
         code, err, summary, run = self.start(case, ranks)
         self.assertEqual(code, 3, err)
         self.assertEqual((summary["status"], "taut: " + summary["reason"]), ("failed", err))
@@ -123,4 +124,4 @@ class CaughtCloth(Fast):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

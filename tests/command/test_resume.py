@@ -1,17 +1,15 @@
 #!/usr/bin/env python3
-"""Runs that are stopped and go on, as a user sees it: test_resume.py LAUNCHER... PROGRAM
-
-LAUNCHER ends with a number of ranks, which is replaced, as in `mpirun -n 1`.
-"""
-import json
+"""Runs that are stopped and go on, as a user sees it."""
 import os
 import shutil
 import signal
+import unittest
 
 import h5py
 
 import running
 from running import Folder, listed_frames, rows, table
+from taut import Run
 
 # Solved so tightly that what is left to differ between numbers of ranks is far below a micrometre.
 TIGHT = ("--", "-velocity_ksp_rtol", "1e-12", "-projection_ksp_rtol", "1e-12")
@@ -23,7 +21,7 @@ def checkpoints(run):
 
 
 def summary(run):
-    return json.loads((run / "summary.json").read_text())
+    return Run(run).summary
 
 
 class Resume(Folder):
@@ -89,7 +87,8 @@ class Resume(Folder):
     def test_changed_keys_are_told_and_written(self):
         run = self.stop_run("run", 12)
         code, out, err = self.taut("resume", "run", "--set", "inextensibility.strain=0.02", "--set",
-                                   "gravity=[0, 0, -1]", "--set", "air={wind: [0, 1, 0]}", "--set", "pins.1.release=0.3")
+                                   "gravity=[0, 0, -1]", "--set", "air={wind: [0, 1, 0]}", "--set",
+                                   "pins.1.release=0.3")
         self.assertEqual((code, err), (0, ""))
         for line in ("inextensibility.strain: 0.01 -> 0.02", "gravity: [0, 0, -9.81] -> [0, 0, -1]",
                      "air.wind: none -> [0, 1, 0]", "pins.1.release: 0.25 -> 0.3"):
@@ -107,7 +106,8 @@ class Resume(Folder):
                 ("cloth.grid.vertices=[9, 9]", "cloth.grid.vertices was [11, 11] and is [9, 9] now"),
                 ("cloth.grid.size=[2, 1]", "cloth.grid.size was [1, 1] and is [2, 1] now"),
                 ("cloth.start.translate=[0, 0, 1]", "cloth.start.translate was [0, 0, 0] and is [0, 0, 1] now"),
-                ("time.frame_rate=30", "time.frame_rate was 20 and is 30 now, but a resumed run cannot change it: frames "
+                ("time.frame_rate=30", "time.frame_rate was 20 and is 30 now, but a resumed run cannot change it: "
+                                       "frames "
                                        "are numbered by it; leave it as it was, or start a new run"),
                 ("pins.0.vertices=[1]", "pins.0.vertices was [0] and is [1] now"),
                 ("pins=[{vertices: [0]}]", "pins.1.vertices was [10] and is none now"),
@@ -129,18 +129,21 @@ class Resume(Folder):
         (self.folder / "cloth.obj").write_text("".join(grid + faces))
         code, _, err = self.taut("resume", "run")
         self.assertEqual(code, 2)
-        self.assertIn("/rest_positions: the mesh of the run has vertices in other places than the mesh of the case", err)
+        self.assertIn("/rest_positions: the mesh of the run has vertices in other places than the mesh of the case",
+                      err)
         grid[60] = "v 0.5 0.5 0\n"
         (self.folder / "elsewhere.obj").write_text("".join(grid + faces))
         self.assertEqual(self.taut("resume", "run", "--set", f"cloth.mesh={self.folder}/elsewhere.obj")[0], 0)
         self.assert_same_run(run, whole)
 
     def test_several_cloths(self):
-        cloths = ("--set", "cloths=[{name: large, grid: {size: [1, 1], vertices: [11, 11]}}, {grid: {size: [0.5, 0.5], vertices: "
+        cloths = ("--set", "cloths=[{name: large, grid: {size: [1, 1], vertices: [11, 11]}}, {grid: {size: [0.5, 0.5], "
+                           "vertices: "
                   "[6, 6]}, start: {translate: [0, 0, 0.3]}, material: {density: 0.1}}]")
         whole, run = self.run_case("whole", *cloths), self.stop_run("run", 12, *cloths)
         for setting, words in (("cloths.1.grid.vertices=[7, 7]", "cloths.1.grid.vertices was [6, 6] and is [7, 7] now"),
-                               ("cloths.0.start.translate=[0, 0, 1]", "cloths.0.start.translate was [0, 0, 0] and is [0, 0, 1]"),
+                               ("cloths.0.start.translate=[0, 0, 1]",
+                                "cloths.0.start.translate was [0, 0, 0] and is [0, 0, 1]"),
                                ("pins.0.cloth=large", "pins.0.cloth was none and is large now")):
             code, _, err = self.taut("resume", "run", "--set", setting)
             self.assertEqual(code, 2, setting)
@@ -149,7 +152,8 @@ class Resume(Folder):
         self.assert_same_run(run, whole)
         with h5py.File(run / "mesh.h5") as mesh:
             self.assertEqual(list(mesh["cells/cloth"]), 100 * [0] + 25 * [1])
-        self.assertIn("large      121 vertices, 100 faces\n    cloth 1    36 vertices, 25 faces", self.taut("info", "run")[1])
+        self.assertIn("large      121 vertices, 100 faces\n    cloth 1    36 vertices, 25 faces",
+                      self.taut("info", "run")[1])
 
 
 class Checkpoints(Folder):
@@ -216,7 +220,8 @@ class Checkpoints(Folder):
 
     def test_a_folder_without_a_run(self):
         code, _, err = self.taut("resume", "nowhere")
-        self.assertEqual((code, err), (2, "taut: nowhere: holds no run (no case.yaml); start one with taut run CASE --out "
+        self.assertEqual((code, err), (2, "taut: nowhere: holds no run (no case.yaml); start one with taut run CASE "
+                                          "--out "
                                           "nowhere"))
 
     def test_frames_that_were_removed_are_not_listed(self):
@@ -233,4 +238,4 @@ class Checkpoints(Folder):
 
 
 if __name__ == "__main__":
-    running.main(__doc__)
+    unittest.main()

@@ -1,0 +1,133 @@
+"""The output folder of a run: its summary, its steps, its frames."""
+import csv
+import json
+import math
+from functools import cached_property
+from pathlib import Path
+from xml.etree import ElementTree
+
+import h5py
+import numpy as np
+
+from taut.case import read_case
+
+
+class RunError(Exception):
+    """A folder does not hold what a run leaves."""
+
+
+class Datasets:
+    """An HDF5 file, whose datasets are read by name: `mesh["constraints/edges"]`."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+
+    def __getitem__(self, name):
+        with h5py.File(self.path, "r") as file:
+            return file[name][()]
+
+    def __contains__(self, name):
+        with h5py.File(self.path, "r") as file:
+            return name in file
+
+    @property
+    def attributes(self):
+        with h5py.File(self.path, "r") as file:
+            return dict(file.attrs)
+
+    def read_all(self):
+        """{name: values}"""
+        found = {}
+        with h5py.File(self.path, "r") as file:
+            file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset)
+                            else None)
+        return found
+
+
+class Frame(Datasets):
+    """The cloth at one time. Fields besides those with a name of their own: `frame["strain"]`, of each constraint."""
+
+    @property
+    def time(self):
+        """s"""
+        return float(self.attributes["time"])
+
+    @property
+    def positions(self):
+        """m, a row a vertex"""
+        return self["positions"]
+
+    @property
+    def velocities(self):
+        """m/s, a row a vertex"""
+        return self["velocities"]
+
+
+class Run:
+    """What a run left in its folder; one that was killed has no summary, or that of an earlier part of it."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+
+    @cached_property
+    def summary(self):
+        """summary.json, or None."""
+        try:
+            return json.loads((self.folder / "summary.json").read_text())
+        except FileNotFoundError:
+            return None
+
+    @property
+    def status(self):
+        return self.summary["status"] if self.summary else "killed"
+
+    @property
+    def completed(self):
+        return self.status == "completed"
+
+    @cached_property
+    def frames(self):
+        """In the order of time."""
+        return [Frame(path) for path in sorted((self.folder / "frames").glob("frame_*.h5"))]
+
+    @cached_property
+    def case(self):
+        """As it was run, all defaults filled in."""
+        return read_case(self.folder / "case.yaml")
+
+    @property
+    def mesh(self):
+        return Datasets(self.folder / "mesh.h5")
+
+    @cached_property
+    def steps(self):
+        """steps.csv as {column: values}, in SI units, which the names end in. An empty cell is no number."""
+        path = self.folder / "steps.csv"
+        names, rows = self.read_steps()
+        try:
+            return {name: np.array([float(row[name] or math.nan) for row in rows]) for name in names}
+        except ValueError as error:
+            raise RunError(f"{path}: {error}") from None
+
+    def read_steps(self):
+        """The columns of steps.csv, and its rows as they stand there; a last one that is being written is left out."""
+        path = self.folder / "steps.csv"
+        try:
+            with open(path, newline="", encoding="utf-8") as file:
+                reader = csv.DictReader(file)
+                rows = [row for row in reader if None not in row and None not in row.values()]
+                return list(reader.fieldnames or []), rows
+        except FileNotFoundError:
+            raise RunError(f"{path}: no such file; give the output folder of a run") from None
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise RunError(f"{path}: cannot be read: {error}") from None
+
+    def listed_frames(self, name="frames.xdmf"):
+        """[(file of the positions, time)] of each frame that ParaView is told of."""
+        return [(grid.find("Geometry/DataItem").text.strip().split(":")[0], float(grid.find("Time").get("Value")))
+                for grid in uniform_grids(self.folder / name)]
+
+
+def uniform_grids(xdmf):
+    """The element of each frame in an XDMF file."""
+    return [grid for grid in ElementTree.parse(xdmf).getroot().iter("Grid") if grid.get("GridType") == "Uniform"]

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""The package taut: what it reads of runs, and cases that it changes."""
+import unittest
+
+import numpy as np
+
+import running
+from taut import Run, RunError, launch, read_case, write_case
+
+
+class Package(running.Folder):
+    def test_reads_a_run(self):
+        run = Run(self.run_case("result"))
+        self.assertTrue(run.completed)
+        self.assertEqual(run.summary["vertices"], 121)
+        self.assertEqual(len(run.frames), 11)
+        self.assertEqual([frame.time for frame in run.frames], [time for _, time in run.listed_frames()])
+        last = run.frames[-1]
+        self.assertEqual(last.positions.shape, (121, 3))
+        self.assertEqual(last.velocities.shape, (121, 3))
+        edges, rest = run.mesh["constraints/edges"], run.mesh["constraints/rest_lengths"]
+        lengths = np.linalg.norm(np.diff(last.positions[edges], axis=1)[:, 0], axis=1)
+        np.testing.assert_allclose(last["strain"], lengths / rest - 1, atol=1e-12)
+        self.assertIn("strain", last)
+        self.assertNotIn("weather", last)
+        self.assertEqual(len(run.steps["time_s"]), run.summary["steps"])
+        self.assertAlmostEqual(run.steps["time_s"][-1], 0.5)
+
+    def test_a_case_is_changed(self):
+        case = read_case(self.folder / "case.yaml")
+        write_case(self.folder / "case.yaml", {**case, "gravity": [0, 0, 1]})
+        run = Run(self.run_case("result"))
+        self.assertEqual(run.case["gravity"], [0, 0, 1])
+        self.assertGreater(run.frames[-1].positions[:, 2].mean(), 0.05)
+
+    def test_a_folder_without_a_run(self):
+        run = Run(self.folder)
+        self.assertEqual((run.summary, run.status, run.frames), (None, "killed", []))
+        with self.assertRaisesRegex(RunError, "steps.csv: no such file; give the output folder of a run"):
+            print(run.steps)
+
+    def test_words_that_start_the_program(self):
+        self.assertEqual(launch.command("taut", "info", 1), ["taut", "info", "1"])
+        self.assertEqual(launch.command("taut", "info", ranks=3), [*launch.LAUNCHER, "-n", "3", "taut", "info"])
+        self.assertEqual(launch.settings({"gravity": [0, 0, -1]}), ["--set", "gravity=[0, 0, -1]"])
+
+
+if __name__ == "__main__":
+    unittest.main()
