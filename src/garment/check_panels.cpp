@@ -71,15 +71,17 @@ void check_panel(const Panel& panel) {
     throw InputError(fmt::format("{}: panel '{}' {}", panel.place, panel.name, what));
   };
   if (size.maxCoeff() > largest)
-    fail(fmt::format("is {:.3g} m by {:.3g} m large; if the numbers of the pattern are centimetres, say so by "
-                     "properties: {{units_in_meter: 100}}",
-                     size[0], size[1]));
+    fail(
+        fmt::format("is {:.3g} m by {:.3g} m large; if the numbers of the pattern are centimetres, say so by "
+                    "properties: {{units_in_meter: 100}}",
+                    size[0], size[1]));
   if (outline.points.size() < 3 || !(std::abs(signed_area(panel)) > 1e-6 * size.squaredNorm()))
     fail("has no area: its edges lie on one line, or on one another; correct its vertices");
   if (const auto fault = fault_of_ring(outline.points))
-    fail(fmt::format("crosses or touches itself: {} at ({:.4f}, {:.4f}) m in its plane; move their vertices, or lessen "
-                     "their curvature",
-                     edges_at(outline, fault->place), fault->place[0], fault->place[1]));
+    fail(fmt::format(
+        "crosses or touches itself: {} at ({:.4f}, {:.4f}) m in its plane; move their vertices, or lessen "
+        "their curvature",
+        edges_at(outline, fault->place), fault->place[0], fault->place[1]));
 }
 
 std::string text_of(const std::filesystem::path& file) {

@@ -4,7 +4,6 @@
 #include "partition/error.hpp"
 #include "src/garment/panel_mesh.hpp"
 #include "src/garment/polygon.hpp"
-#include "src/garment/triangulation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,8 @@
 namespace taut::garment {
 
 namespace {
+
+constexpr double degree = std::numbers::pi / 180, least_angle = 15 * degree;
 
 /// Panel and material coordinates.
 class MaterialFrame {
@@ -35,7 +36,9 @@ private:
   throw InputError(fmt::format("{}: panel '{}' {}", panel.place, panel.name, what));
 }
 
-std::string at(const Vec2& place) { return fmt::format("at ({:.4f}, {:.4f}) m of its plane", place[0], place[1]); }
+std::string at(const Vec2& place) {
+  return fmt::format("at ({:.4f}, {:.4f}) m of its plane", place[0], place[1]);
+}
 
 /// Before anything is made that would not fit.
 void check_size(const SewingPattern& pattern, const EdgeLengths& lengths) {
@@ -47,32 +50,26 @@ void check_size(const SewingPattern& pattern, const EdgeLengths& lengths) {
     for (const PatternEdge& e : p.edges) vertices += length_of(e.curve) / h;
   }
   if (!(vertices < most))
-    throw InputError(fmt::format("{}: its mesh would have about {:.2g} vertices, more than one rank can make ({:.0g}); "
-                                 "give longer edges",
-                                 pattern.name, vertices, most));
+    throw InputError(
+        fmt::format("{}: its mesh would have about {:.2g} vertices, more than one rank can make ({:.0g}); "
+                    "give longer edges",
+                    pattern.name, vertices, most));
 }
 
 /// Widths are measured on the polygon that is meshed.
 void check_outline(const Panel& panel, const Outline& outline, double h) {
   if (const auto fault = fault_of_ring(outline.points))
-    fail(panel, fmt::format("is too narrow, or curves too tightly, for edges of {:.4g} mm: cut into such, its outline "
-                            "crosses itself {}; give it shorter ones, e.g. edge: {:.3g} mm",
-                            1000 * h, at(fault->place), 500 * h));
+    fail(panel,
+         fmt::format(
+             "is too narrow, or curves too tightly, for edges of {:.4g} mm: cut into such, its outline "
+             "crosses itself {}; give it shorter ones, e.g. edge: {:.3g} mm",
+             1000 * h, at(fault->place), 500 * h));
   const double width = 2 * inscribed_radius(outline.points, h / 50);
   if (width < h * 0.95)
-    fail(panel, fmt::format("is thinner than an edge: nowhere wider than {:.3g} mm, with edges of {:.4g} mm; give it "
-                            "shorter ones, e.g. edge: {:.2g} mm",
-                            1000 * width, 1000 * h, 500 * width));
-}
-
-SharpPlace sharpest_of(const PanelMesh& mesh) {
-  SharpPlace sharpest;
-  for (const auto& c : mesh.cells) {
-    if (c[3] >= 0) continue;
-    const Vec2 &a = mesh.points[c[0]], &b = mesh.points[c[1]], &d = mesh.points[c[2]];
-    if (const double angle = smallest_angle(a, b, d); angle < sharpest.angle) sharpest = {angle, (a + b + d) / 3};
-  }
-  return sharpest;
+    fail(panel, fmt::format(
+                    "is thinner than an edge: nowhere wider than {:.3g} mm, with edges of {:.4g} mm; give it "
+                    "shorter ones, e.g. edge: {:.2g} mm",
+                    1000 * width, 1000 * h, 500 * width));
 }
 
 void add_panel(GarmentMesh& all, const Panel& panel, const Outline& outline, double h) {
@@ -81,7 +78,8 @@ void add_panel(GarmentMesh& all, const Panel& panel, const Outline& outline, dou
   std::vector<Vec2> ring;
   for (const Vec2& p : outline.points) ring.push_back(frame.to_material(p));
   const auto mesh = mesh_panel(ring, h);
-  if (!mesh) fail(panel, fmt::format("cannot be meshed with edges of {:.4g} mm; give it shorter ones", 1000 * h));
+  if (!mesh)
+    fail(panel, fmt::format("cannot be meshed with edges of {:.4g} mm; give it shorter ones", 1000 * h));
   MeshedPanel made{panel.name, h, std::abs(signed_area(panel))};
   made.outline = outline;
   made.first_vertex = Global(all.positions.size());
@@ -98,8 +96,13 @@ void add_panel(GarmentMesh& all, const Panel& panel, const Outline& outline, dou
     for (int k = 0; k < 4 && c[k] >= 0; ++k) cell.vertices[k] = made.first_vertex + c[k];
     made.triangles += cell.size() == 3;
   }
-  made.sharpest = sharpest_of(*mesh);
-  made.sharpest.place = frame.to_panel(made.sharpest.place);
+  const auto [all_places, elsewhere] = sharpness_of(*mesh, ring.size(), outline.first, h);
+  if (elsewhere.angle < least_angle)
+    fail(panel, fmt::format(
+                    "is too narrow for edges of {:.4g} mm {}, where a triangle would have an angle of {:.1f} "
+                    "degrees; widen it there, or give it shorter edges, e.g. edge: {:.2g} mm",
+                    1000 * h, at(frame.to_panel(elsewhere.place)), elsewhere.angle / degree, 300 * h));
+  made.sharpest = {all_places.angle, frame.to_panel(all_places.place)};
   all.panels.push_back(std::move(made));
 }
 
@@ -120,9 +123,10 @@ void add_seams(GarmentMesh& all, const SewingPattern& pattern) {
     }
     const auto [shorter, longer] = std::minmax(made.lengths[0], made.lengths[1]);
     if (longer > 2 * shorter)
-      all.warnings.push_back(fmt::format("{}: seam {} joins edges of {:.4g} m and {:.4g} m, gathered {:.1f} : 1; if that "
-                                         "is not meant, correct panel or edge of the stitch",
-                                         seam.place, made.name, made.lengths[0], made.lengths[1], longer / shorter));
+      all.warnings.push_back(
+          fmt::format("{}: seam {} joins edges of {:.4g} m and {:.4g} m, gathered {:.1f} : 1; if that "
+                      "is not meant, correct panel or edge of the stitch",
+                      seam.place, made.name, made.lengths[0], made.lengths[1], longer / shorter));
     all.seams.push_back(std::move(made));
   }
 }

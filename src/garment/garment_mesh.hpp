@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/mesh_slab.hpp"
 #include "src/garment/sample_outlines.hpp"
+#include "src/garment/sharpness.hpp"
 
 #include <map>
 #include <string>
@@ -8,26 +9,20 @@
 
 namespace taut::garment {
 
-/// A triangle that is sharper than one would wish.
-struct SharpPlace {
-  double angle = 10; ///< rad; more than any, where there are no triangles
-  Vec2 place = Vec2::Zero(); ///< m, in the plane of the panel
-};
-
 /// What one panel holds of the mesh.
 struct MeshedPanel {
   std::string name;
   double edge_length = 0; ///< m, asked for
   double area = 0;        ///< m^2, inside the outline
   Global first_vertex = 0, vertices = 0, first_cell = 0, cells = 0, triangles = 0;
-  Outline outline;      ///< its points are the first vertices of the panel
-  SharpPlace sharpest;
+  Outline outline{};     ///< its points are the first vertices of the panel
+  SharpPlace sharpest{}; ///< in the plane of the panel
 };
 
 /// What one seam joins.
 struct MeshedSeam {
   std::string name;
-  std::array<double, 2> lengths{};           ///< m, of its edges
+  std::array<double, 2> lengths{};          ///< m, of its edges
   std::vector<std::array<Global, 2>> pairs; ///< vertices that come together, from one end to the other
 };
 
@@ -44,8 +39,9 @@ struct GarmentMesh {
   std::vector<std::string> warnings;                 ///< of what may not be meant, one line each
 };
 
-/// Meshes a checked pattern (check_panels). Throws `InputError` for a panel that is thinner than its edges,
-/// and where a mesh would be too large for one rank. Not collective.
+/// Meshes a checked pattern (check_panels). No triangle has an angle below 15 degrees, except in corners of
+/// the pattern that are so sharp. Throws `InputError` for a panel that is too thin for that anywhere, or
+/// thinner than an edge, and where the mesh would be too large for one rank. Not collective.
 GarmentMesh mesh_garment(const SewingPattern& pattern, const EdgeLengths& lengths);
 
 /// The texture of the corners of a cell: u along warp, v along weft (mesh_slab.hpp), counter-clockwise seen

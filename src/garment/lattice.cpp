@@ -9,7 +9,8 @@ namespace taut::garment {
 
 namespace {
 
-/// The points of a lattice around an outline: which are clear inside it, and which squares between them are kept.
+/// The points of a lattice around an outline: which are clear inside it, and which squares between them are
+/// kept.
 class Sieve {
 public:
   Sieve(std::span<const Vec2> outline, double spacing) : outline_(outline), spacing_(spacing) {
@@ -21,8 +22,7 @@ public:
     }
     clear_.assign(std::size_t(count_[0]) * count_[1], 0);
     mark_inside();
-    for (std::size_t s = 0; s < outline.size(); ++s)
-      drop_near(outline[s], outline[(s + 1) % outline.size()]);
+    for (std::size_t s = 0; s < outline.size(); ++s) drop_near(outline[s], outline[(s + 1) % outline.size()]);
     keep_squares();
     while (part_corners()) {
     }
@@ -66,7 +66,9 @@ public:
 
 private:
   std::size_t at(int i, int j) const { return std::size_t(j) * count_[0] + i; }
-  Vec2 place(int i, int j) const { return {double(first_[0] + i) * spacing_, double(first_[1] + j) * spacing_}; }
+  Vec2 place(int i, int j) const {
+    return {double(first_[0] + i) * spacing_, double(first_[1] + j) * spacing_};
+  }
   bool kept(int i, int j) const {
     return i >= 0 && j >= 0 && i + 1 < count_[0] && j + 1 < count_[1] && square_[at(i, j)];
   }
@@ -99,7 +101,9 @@ private:
     const double length = run.norm(),
                  clearance = spacing_ * (0.6 + 0.6 * std::max(0.0, 1 - 1.25 * length / spacing_));
     const Vec2 low = a.cwiseMin(b).array() - clearance, high = a.cwiseMax(b).array() + clearance;
-    const auto index = [&](const Vec2& p, int k) { return int(std::floor(p[k] / spacing_) - double(first_[k])); };
+    const auto index = [&](const Vec2& p, int k) {
+      return int(std::floor(p[k] / spacing_) - double(first_[k]));
+    };
     for (int j = std::max(0, index(low, 1)); j <= std::min(count_[1] - 1, index(high, 1) + 1); ++j)
       for (int i = std::max(0, index(low, 0)); i <= std::min(count_[0] - 1, index(high, 0) + 1); ++i) {
         const Vec2 p = place(i, j);
@@ -112,7 +116,8 @@ private:
     square_.assign(clear_.size(), 0);
     for (int j = 0; j + 1 < count_[1]; ++j)
       for (int i = 0; i + 1 < count_[0]; ++i)
-        square_[at(i, j)] = clear_[at(i, j)] && clear_[at(i + 1, j)] && clear_[at(i, j + 1)] && clear_[at(i + 1, j + 1)];
+        square_[at(i, j)] =
+            clear_[at(i, j)] && clear_[at(i + 1, j)] && clear_[at(i, j + 1)] && clear_[at(i + 1, j + 1)];
   }
 
   /// Drops one of two squares that share just a corner; says whether there were any.

@@ -15,10 +15,10 @@ struct Lattice {
   std::vector<Vec2> loose;               ///< points of the lattice as far inside that are no corner of a quad
 };
 
-/// The points (i h, j h) inside the simple polygon `outline`, closed, of any direction, that keep clear of it,
-/// with the squares between them; h = `spacing`, m. Clear is 0.6 h from a side as long as h, so that a band
-/// of triangles fits between, and up to 1.2 h from shorter ones, so that they can grow. No two quads share
-/// just a corner.
+/// The points (i h, j h) inside the simple polygon `outline`, closed, of any direction, that keep clear of
+/// it, with the squares between them; h = `spacing`, m. Clear is 0.6 h from a side as long as h, so that a
+/// band of triangles fits between, and up to 1.2 h from shorter ones, so that they can grow. No two quads
+/// share just a corner.
 Lattice lattice_in(std::span<const Vec2> outline, double spacing);
 
 } // namespace taut::garment

@@ -10,7 +10,7 @@ namespace taut::garment {
 
 /// The mesh of a panel in its plane. A triangle has -1 for its fourth corner.
 struct PanelMesh {
-  std::vector<Vec2> points;             ///< m; those of the outline first, in its order
+  std::vector<Vec2> points;              ///< m; those of the outline first, in its order
   std::vector<std::array<int, 4>> cells; ///< counter-clockwise; quads first
 };
 

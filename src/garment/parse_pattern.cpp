@@ -30,8 +30,9 @@ Properties read_properties(const PatternBlock& root, bool is_json) {
   p.style.unknown = is_json ? UnknownKeys::passed_over : UnknownKeys::refused;
   const std::vector<std::string> names{"units_in_meter", "curvature_coords", "normalize_panel_translation",
                                        "normalized_edge_loops"};
-  const char* old = "an old form of specification, in which edges of a panel may stand in any order: put them in "
-                    "order, each from where the one before ends, and set normalized_edge_loops: true";
+  const char* old =
+      "an old form of specification, in which edges of a panel may stand in any order: put them in "
+      "order, each from where the one before ends, and set normalized_edge_loops: true";
   if (!root.has("properties")) {
     if (is_json) root.spot().fail(fmt::format("properties.normalized_edge_loops is missing: {}", old));
     return p;
@@ -48,7 +49,8 @@ Properties read_properties(const PatternBlock& root, bool is_json) {
     p.style.metres_per_unit = 1 / units;
   }
   if (block.has("curvature_coords"))
-    p.absolute_controls = name_at(block.at("curvature_coords"), {"relative", "absolute"}, "kind of coordinates");
+    p.absolute_controls =
+        name_at(block.at("curvature_coords"), {"relative", "absolute"}, "kind of coordinates");
   p.normalize_translation =
       block.has("normalize_panel_translation") && flag_at(block.at("normalize_panel_translation"));
   return p;
@@ -66,9 +68,10 @@ Vec2 control_at(const Spot& spot, const Vec2& start, const Vec2& end) {
   const double along = number_at(spot.item(0)), across = number_at(spot.item(1));
   constexpr double farthest = 10;
   if (std::abs(along) > farthest || std::abs(across) > farthest)
-    spot.fail(fmt::format("control point [{}, {}] is out of range: it lies more than {} lengths of the edge away; "
-                          "give parts of the edge, along it and to its left",
-                          along, across, farthest));
+    spot.fail(
+        fmt::format("control point [{}, {}] is out of range: it lies more than {} lengths of the edge away; "
+                    "give parts of the edge, along it and to its left",
+                    along, across, farthest));
   const Vec2 run = end - start;
   return start + along * run + across * Vec2(-run[1], run[0]);
 }
@@ -81,9 +84,10 @@ Curve circle_at(const Spot& params, const Vec2& start, const Vec2& end, const Pa
   const auto turn = flag_at(params.item(2)) ? Turn::counter_clockwise : Turn::clockwise;
   const auto made = arc(start, end, radius, size, turn);
   if (!made)
-    params.item(0).fail(fmt::format("radius {:.4g} m is out of range: the ends of the edge are {:.4g} m apart; it "
-                                    "must be at least half of that",
-                                    radius, (end - start).norm()));
+    params.item(0).fail(
+        fmt::format("radius {:.4g} m is out of range: the ends of the edge are {:.4g} m apart; it "
+                    "must be at least half of that",
+                    radius, (end - start).norm()));
   return *made;
 }
 
@@ -104,7 +108,8 @@ Curve curve_at(const Spot& spot, const Vec2& start, const Vec2& end, const Prope
 }
 
 /// The edges of a panel, which are to be one closed loop.
-std::vector<PatternEdge> read_edges(const Spot& spot, const std::vector<Vec2>& vertices, const Properties& p) {
+std::vector<PatternEdge> read_edges(const Spot& spot, const std::vector<Vec2>& vertices,
+                                    const Properties& p) {
   const std::size_t count = list_at(spot, 2, "edges, two at least").size();
   std::vector<PatternEdge> edges;
   std::vector<std::array<int, 2>> ends;
@@ -112,22 +117,26 @@ std::vector<PatternEdge> read_edges(const Spot& spot, const std::vector<Vec2>& v
     const PatternBlock block(spot.item(e).tree, spot.item(e).path, {"endpoints", "curvature", "label"},
                              p.style.unknown);
     const Spot endpoints = block.at("endpoints");
-    if (endpoints.tree.items.size() != 2) config::fail_type(endpoints, "two numbers of vertices, e.g. [0, 1]");
+    if (endpoints.tree.items.size() != 2)
+      config::fail_type(endpoints, "two numbers of vertices, e.g. [0, 1]");
     const int from = index_at(endpoints.item(0), vertices.size(), "vertex"),
               to = index_at(endpoints.item(1), vertices.size(), "vertex");
     const Vec2 &start = vertices[from], &end = vertices[to];
     if ((end - start).norm() < 1e-9)
-      endpoints.fail(fmt::format("the edge has no length: vertices {} and {} lie on one another; remove one", from, to));
+      endpoints.fail(
+          fmt::format("the edge has no length: vertices {} and {} lie on one another; remove one", from, to));
     ends.push_back({from, to});
-    edges.push_back({block.has("curvature") ? curve_at(block.at("curvature"), start, end, p) : line(start, end),
-                     block.text("label"), block.spot().tree.place});
+    edges.push_back(
+        {block.has("curvature") ? curve_at(block.at("curvature"), start, end, p) : line(start, end),
+         block.text("label"), block.spot().tree.place});
   }
   for (std::size_t e = 0; e < count; ++e) {
     const std::size_t before = (e + count - 1) % count;
     if (ends[before][1] != ends[e][0])
-      spot.item(e).fail(fmt::format("the outline is open: edge {} begins at vertex {}, but edge {} before it ends at "
-                                    "vertex {}; the edges are one closed loop, each from where the one before ends",
-                                    e, ends[e][0], before, ends[before][1]));
+      spot.item(e).fail(
+          fmt::format("the outline is open: edge {} begins at vertex {}, but edge {} before it ends at "
+                      "vertex {}; the edges are one closed loop, each from where the one before ends",
+                      e, ends[e][0], before, ends[before][1]));
   }
   return edges;
 }
@@ -159,15 +168,17 @@ Panel read_panel(const config::Entry& entry, const Properties& p) {
     Vec3 angles;
     config::read(block.at("rotation"), angles);
     angles *= degree;
-    panel.rotation = (Eigen::AngleAxisd(angles[2], Vec3::UnitZ()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
-                      Eigen::AngleAxisd(angles[0], Vec3::UnitX()))
-                         .toRotationMatrix();
+    panel.rotation =
+        (Eigen::AngleAxisd(angles[2], Vec3::UnitZ()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
+         Eigen::AngleAxisd(angles[0], Vec3::UnitX()))
+            .toRotationMatrix();
   }
   panel.edges = read_edges(block.at("edges"), vertices, p);
   if (block.has("grain")) panel.grain = degree * number_at(block.at("grain"));
   if (block.has("edge")) {
     panel.edge_length = length_at(block.at("edge"), p.style);
-    if (!(*panel.edge_length > 0)) block.at("edge").fail("must be above 0; it is the length of the edges of the mesh");
+    if (!(*panel.edge_length > 0))
+      block.at("edge").fail("must be above 0; it is the length of the edges of the mesh");
   }
   return panel;
 }
@@ -218,9 +229,10 @@ void read_seams(const Spot& spot, SewingPattern& pattern, const PatternStyle& st
       const SeamSide side = seam.sides[k] = side_at(stitch.item(k), pattern, style);
       const auto [first, is_new] = sewn.emplace(std::pair(side.panel, side.edge), stitch.item(k).path);
       if (!is_new)
-        stitch.item(k).fail(fmt::format("edge {} of panel '{}' is sewn already, by {}; cut the edge in two, or remove "
-                                        "one of the stitches",
-                                        side.edge, pattern.panels[side.panel].name, first->second));
+        stitch.item(k).fail(
+            fmt::format("edge {} of panel '{}' is sewn already, by {}; cut the edge in two, or remove "
+                        "one of the stitches",
+                        side.edge, pattern.panels[side.panel].name, first->second));
     }
     if (size == 3) {
       name_at(stitch.item(2), {"right_wrong"}, "kind of stitch");
@@ -248,7 +260,8 @@ SewingPattern parse_pattern(const std::string& text, const std::string& file_nam
   pattern.name = file_name;
   const Spot panels = body.at("panels");
   if (panels.tree.entries.empty()) config::fail_type(panels, "panels by their names");
-  for (const config::Entry& entry : panels.tree.entries) pattern.panels.push_back(read_panel(entry, properties));
+  for (const config::Entry& entry : panels.tree.entries)
+    pattern.panels.push_back(read_panel(entry, properties));
   put_in_order(pattern.panels, body);
   if (body.has("stitches")) {
     const Spot spot = body.at("stitches");

@@ -23,7 +23,7 @@ public:
   PatternBlock(const config::Tree& tree, std::string path, const std::vector<std::string>& names,
                UnknownKeys unknown);
 
-  bool has(std::string_view name) const; ///< and it is not null
+  bool has(std::string_view name) const;        ///< and it is not null
   config::Spot at(std::string_view name) const; ///< throws if it is not there
   config::Spot spot() const;
 

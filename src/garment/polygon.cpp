@@ -90,8 +90,8 @@ std::optional<std::vector<std::array<int, 3>>> triangulate(const Ring& ring) {
   for (const Vec2& p : ring) numbers.emplace(p, int(numbers.size()));
   const Geos geos;
   const auto polygon = geos.polygon(ring);
-  const auto all = geos.own(polygon ? GEOSConstrainedDelaunayTriangulation_r(geos.context(), polygon.get())
-                                    : nullptr);
+  const auto all =
+      geos.own(polygon ? GEOSConstrainedDelaunayTriangulation_r(geos.context(), polygon.get()) : nullptr);
   if (!all) return std::nullopt;
   std::vector<std::array<int, 3>> triangles(std::size_t(GEOSGetNumGeometries_r(geos.context(), all.get())));
   if (triangles.size() + 2 != ring.size() || numbers.size() != ring.size()) return std::nullopt;
@@ -104,7 +104,8 @@ std::optional<std::vector<std::array<int, 3>>> triangulate(const Ring& ring) {
       if (found == numbers.end()) return std::nullopt;
       triangles[t][k] = found->second;
     }
-    // GEOS gives all of them clockwise. That is not to be measured: those with corners on one line have no area.
+    // GEOS gives all of them clockwise. That is not to be measured: those with corners on one line have no
+    // area.
     std::swap(triangles[t][1], triangles[t][2]);
   }
   return triangles;

@@ -11,8 +11,9 @@ namespace taut::garment {
 
 namespace {
 
-constexpr double growth = 0.5;    ///< of segments, per length of the way along an edge
-constexpr double next_larger = 1.5; ///< segments that meet at a vertex, before they are rounded to whole numbers
+constexpr double growth = 0.5; ///< of segments, per length of the way along an edge
+constexpr double next_larger =
+    1.5; ///< segments that meet at a vertex, before they are rounded to whole numbers
 
 /// How long segments are to be along an edge, all in parts of its length: as long as `inside`, and shorter
 /// near the ends if they begin or end shorter.

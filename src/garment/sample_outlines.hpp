@@ -18,8 +18,8 @@ void check_edge_lengths(const EdgeLengths& lengths, const SewingPattern& pattern
 
 double edge_length_of(const EdgeLengths& lengths, const Panel& panel);
 
-/// Points on the loop of a panel, in its order and its plane, m. Those of edge k begin with point first[k] and
-/// end with the first of edge k + 1.
+/// Points on the loop of a panel, in its order and its plane, m. Those of edge k begin with point first[k]
+/// and end with the first of edge k + 1.
 struct Outline {
   std::vector<Vec2> points;
   std::vector<int> first;

@@ -20,16 +20,23 @@ constexpr double on_a_circle = 1e-9;
 bool exceeds_half_turn(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const Vec2 ab = b - a, ad = d - a, cb = b - c, cd = d - c;
   const double sine = cross(ab, ad) * cd.dot(cb) + ab.dot(ad) * cross(cd, cb);
-  return sine < -on_a_circle * std::sqrt(ab.squaredNorm() * ad.squaredNorm() * cb.squaredNorm() *
-                                         cd.squaredNorm());
+  return sine <
+         -on_a_circle * std::sqrt(ab.squaredNorm() * ad.squaredNorm() * cb.squaredNorm() * cd.squaredNorm());
 }
 
 } // namespace
 
 double smallest_angle(const Vec2& a, const Vec2& b, const Vec2& c) {
   const double la = (c - b).squaredNorm(), lb = (a - c).squaredNorm(), lc = (b - a).squaredNorm();
-  const Vec2 &tip = la <= lb && la <= lc ? a : lb <= lc ? b : c, &one = &tip == &a ? b : &tip == &b ? c : a,
-             &two = &tip == &a ? c : &tip == &b ? a : b;
+  const Vec2 &tip = la <= lb && la <= lc ? a
+                    : lb <= lc           ? b
+                                         : c,
+             &one = &tip == &a   ? b
+                    : &tip == &b ? c
+                                 : a,
+             &two = &tip == &a   ? c
+                    : &tip == &b ? a
+                                 : b;
   return std::atan2(cross(one - tip, two - tip), (one - tip).dot(two - tip));
 }
 
@@ -109,24 +116,24 @@ void Triangulation::make_delaunay() {
   settle(suspects);
 }
 
-bool Triangulation::holds(int triangle, const Vec2& point) const {
+int Triangulation::side_towards(int triangle, const Vec2& point) const {
   const auto& v = triangles_[triangle].vertices;
-  const Vec2 &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
-  return area_of(a, b, point) >= 0 && area_of(b, c, point) >= 0 && area_of(c, a, point) >= 0;
+  int worst = -1;
+  double farthest =
+      1e-12; // in lengths of the side: a point on it may be outside of both triangles by rounding
+  for (int k = 0; k < 3; ++k) {
+    const Vec2 &a = points_[v[(k + 1) % 3]], &b = points_[v[(k + 2) % 3]];
+    const double outside = -area_of(a, b, point) / (b - a).squaredNorm();
+    if (outside > farthest) farthest = outside, worst = k;
+  }
+  return worst;
 }
 
 std::optional<int> Triangulation::locate(const Vec2& point, int t) const {
   for (std::size_t steps = 0; steps < triangles_.size(); ++steps) {
-    const Triangle& at = triangles_[t];
-    int worst = -1;
-    double farthest = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec2 &a = points_[at.vertices[(k + 1) % 3]], &b = points_[at.vertices[(k + 2) % 3]];
-      const double outside = -area_of(a, b, point) / (b - a).norm();
-      if (outside > farthest) farthest = outside, worst = k;
-    }
-    if (worst < 0) return t;
-    t = at.neighbours[worst];
+    const int side = side_towards(t, point);
+    if (side < 0) return t;
+    t = triangles_[t].neighbours[side];
     if (t < 0) return std::nullopt;
   }
   return std::nullopt;
@@ -140,32 +147,35 @@ bool Triangulation::circle_holds(int triangle, const Vec2& point) const {
   return inside > on_a_circle * std::max({aa, bb, cc}) * std::sqrt(std::max({aa * bb, bb * cc, cc * aa}));
 }
 
-std::optional<Triangulation::Cavity> Triangulation::cavity_of(const Vec2& point, int start) const {
-  const auto home = locate(point, start);
-  if (!home) return std::nullopt;
-  Cavity cavity{{*home}, {}, angle(*home), 10};
-  for (std::size_t i = 0; i < cavity.triangles.size(); ++i) {
-    const int t = cavity.triangles[i];
+Triangulation::Cavity Triangulation::surround(const Vec2& point, std::vector<int> triangles) const {
+  Cavity cavity{std::move(triangles), {}, 10, 10};
+  const auto is_part = [&](int t) {
+    return std::ranges::find(cavity.triangles, t) != cavity.triangles.end();
+  };
+  for (const int t : cavity.triangles) {
     cavity.angle_before = std::min(cavity.angle_before, angle(t));
     for (int k = 0; k < 3; ++k) {
       const int n = triangles_[t].neighbours[k];
-      const auto known = [&] { return std::ranges::find(cavity.triangles, n) != cavity.triangles.end(); };
-      if (n >= 0 && !known() && circle_holds(n, point)) cavity.triangles.push_back(n);
-    }
-  }
-  for (const int t : cavity.triangles)
-    for (int k = 0; k < 3; ++k) {
-      const int n = triangles_[t].neighbours[k];
-      if (n >= 0 && std::ranges::find(cavity.triangles, n) != cavity.triangles.end()) continue;
+      if (n >= 0 && is_part(n)) continue;
       const int a = triangles_[t].vertices[(k + 1) % 3], b = triangles_[t].vertices[(k + 2) % 3];
-      const auto back = [&] {
-        const auto& all = triangles_[n].neighbours;
-        return int(std::find(all.begin(), all.end(), t) - all.begin());
-      };
-      cavity.hull.push_back({a, b, n, n < 0 ? -1 : back()});
+      int back = 0;
+      while (n >= 0 && triangles_[n].neighbours[back] != t) ++back;
+      cavity.hull.push_back({a, b, n, back});
       cavity.angle_after = std::min(cavity.angle_after, smallest_angle(points_[a], points_[b], point));
     }
+  }
   return cavity;
+}
+
+std::optional<Triangulation::Cavity> Triangulation::cavity_of(const Vec2& point, int start) const {
+  const auto home = locate(point, start);
+  if (!home) return std::nullopt;
+  std::vector<int> triangles{*home};
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (const int n : triangles_[triangles[i]].neighbours)
+      if (n >= 0 && std::ranges::find(triangles, n) == triangles.end() && circle_holds(n, point))
+        triangles.push_back(n);
+  return surround(point, std::move(triangles));
 }
 
 void Triangulation::fill(const Cavity& cavity, const Vec2& point) {
@@ -192,11 +202,12 @@ void Triangulation::fill(const Cavity& cavity, const Vec2& point) {
 
 bool Triangulation::insert(const Vec2& point, double target) {
   int home = int(triangles_.size()) - 1; // perhaps beside the point before
-  if (!locate(point, home)) // a hole lies between
-    for (home = 0; home < int(triangles_.size()) && !holds(home, point);) ++home;
+  if (!locate(point, home))              // a hole lies between
+    for (home = 0; home < int(triangles_.size()) && side_towards(home, point) >= 0;) ++home;
   if (home == int(triangles_.size())) return false;
   const auto cavity = cavity_of(point, home);
-  if (!cavity || cavity->angle_after < std::min(target, cavity->angle_before)) return false;
+  if (!cavity || cavity->angle_after <= 0 || cavity->angle_after < std::min(target, cavity->angle_before))
+    return false;
   fill(*cavity, point);
   return true;
 }

@@ -39,17 +39,16 @@ public:
   /// [Ruppert 1995, Üngör 2004]. The triangulation must be Delaunay, and is so afterwards.
   void refine(double target);
 
-  /// Puts a point inside, unless an angle below `target` and below all angles around came of it. Says whether
-  /// it did.
+  /// Puts a point inside, unless an angle below `target` and below all angles around came of it; with a
+  /// target of zero, wherever no triangle turns over. Says whether it did.
   bool insert(const Vec2& point, double target);
 
 private:
-  /// The triangles whose circumcircles hold a point, the first of them holding the point itself, and what
-  /// becomes of their hull.
+  /// Triangles that are to make room for a point, and their hull, to which it will be joined.
   struct Cavity {
     struct Side {
       int a, b;         ///< counter-clockwise around the cavity
-      int beyond, back; ///< triangle across, and which of its neighbours this is; -1 on the border
+      int beyond, back; ///< triangle across, -1 on the border; which of its neighbours this side is
     };
     std::vector<int> triangles;
     std::vector<Side> hull;
@@ -59,9 +58,11 @@ private:
   void link_neighbours();
   bool flip_if_better(int triangle, int side, std::vector<std::pair<int, int>>& next);
   void settle(std::vector<std::pair<int, int>>& suspects);
-  bool holds(int triangle, const Vec2& point) const;
+  int side_towards(int triangle, const Vec2& point) const; ///< -1 if the point is inside, or on the rim
   std::optional<int> locate(const Vec2& point, int start) const;
   bool circle_holds(int triangle, const Vec2& point) const;
+  Cavity surround(const Vec2& point, std::vector<int> triangles) const;
+  /// Of the triangles whose circumcircles hold the point.
   std::optional<Cavity> cavity_of(const Vec2& point, int start) const;
   void fill(const Cavity& cavity, const Vec2& point);
   bool split(int triangle, double target);
