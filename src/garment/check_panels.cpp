@@ -3,10 +3,10 @@
 #include "src/garment/polygon.hpp"
 #include "src/garment/read_pattern.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 #include <fstream>
 #include <sstream>
@@ -62,6 +62,14 @@ std::string edges_at(const FineOutline& outline, const Vec2& place) {
   return fmt::format("edges {} and {} meet", there.front(), there.back());
 }
 
+bool on_one_line(const Ring& points) {
+  Vec2 mean = Vec2::Zero();
+  for (const Vec2& p : points) mean += p / double(points.size());
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const Vec2& p : points) spread += (p - mean) * (p - mean).transpose();
+  return !(spread.determinant() > 1e-12 * spread.trace() * spread.trace());
+}
+
 void check_panel(const Panel& panel) {
   const FineOutline outline = fine_outline(panel);
   Vec2 low = outline.points[0], high = low;
@@ -75,8 +83,7 @@ void check_panel(const Panel& panel) {
         fmt::format("is {:.3g} m by {:.3g} m large; if the numbers of the pattern are centimetres, say so by "
                     "properties: {{units_in_meter: 100}}",
                     size[0], size[1]));
-  if (outline.points.size() < 3 || !(std::abs(signed_area(panel)) > 1e-6 * size.squaredNorm()))
-    fail("has no area: its edges lie on one line, or on one another; correct its vertices");
+  if (on_one_line(outline.points)) fail("has no area: its edges lie on one line; correct its vertices");
   if (const auto fault = fault_of_ring(outline.points))
     fail(fmt::format(
         "crosses or touches itself: {} at ({:.4f}, {:.4f}) m in its plane; move their vertices, or lessen "

@@ -246,7 +246,9 @@ void read_seams(const Spot& spot, SewingPattern& pattern, const PatternStyle& st
 
 SewingPattern parse_pattern(const std::string& text, const std::string& file_name) {
   const bool is_json = file_name.ends_with(".json");
-  Tree tree = config::parse_document(text, file_name);
+  const Tree tree = config::parse_document(text, file_name);
+  if (tree.kind != Tree::Kind::map)
+    throw InputError(tree.place + ": this is no sewing pattern; give a file with keys such as 'panels:'");
   const auto unknown = is_json ? UnknownKeys::passed_over : UnknownKeys::refused;
   const bool nested = tree.find("pattern");
   std::vector<std::string> keys{"panels", "stitches", "panel_order"};
