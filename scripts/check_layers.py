@@ -15,7 +15,8 @@ LAYERS = ["partition", "io", "src/config", "src/garment", "src/state", "src/line
           "src/constraints", "src/filters", "src/time", "src/output", "src/command"]
 # Headers by how they begin, and whose they are.
 RESERVED = {"petsc": "src/linear", "metis": "partition", "ptscotch": "partition", "hdf5": "io",
-            "yaml-cpp": "src/config", "embree": "src/contact", "CGAL": "src/contact"}
+            "yaml-cpp": "src/config", "geos": "src/garment", "embree": "src/contact",
+            "CGAL": "src/contact"}
 FILE_LINES, FUNCTION_LINES = 300, 60
 
 

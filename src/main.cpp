@@ -26,6 +26,7 @@ Examples:
   taut check case.yaml                              validate a case without running it
   taut info out/drape                               what a run holds, in words
   taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
+  taut mesh shirt.json --edge 5mm --out shirt.h5    mesh the panels of a sewing pattern; --svg FILE draws them
   taut schema                                       all keys of a case file (JSON Schema; --table for a table)
 
 What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
@@ -86,6 +87,7 @@ public:
     info_ = app_.add_subcommand("info", "Say in words what a run folder or a case file holds");
     partition_ =
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
+    mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
     for (CLI::App* command : {run_, check_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
@@ -106,6 +108,14 @@ public:
     info_->add_option("path", path_, "A folder with a run, or a case file")->required();
     partition_->add_option("--ranks", ranks_, "The number of ranks to cut it for")->required();
     partition_->add_option("--json", json_, "Also write the figures to this file");
+    mesh_->add_option("pattern", case_, "The sewing pattern: of GarmentCode (.json), or by hand (.yaml)")
+        ->required();
+    mesh_->add_option("--edge", edges_, "How long edges are to be: 5mm; those of a panel: collar=2mm")
+        ->type_name("LENGTH or PANEL=LENGTH")
+        ->required()
+        ->take_all();
+    mesh_->add_option("-o,--out", out_, "The mesh file to write, .h5 or .obj");
+    mesh_->add_option("--svg", svg_, "Draw the panels into this file");
     schema_->add_flag("--table", table_, "A Markdown table instead");
   }
 
@@ -120,6 +130,7 @@ public:
     }
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
     if (*info_) return info(comm, path_);
+    if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     std::vector<Override> overrides;
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
     if (*resume_)
@@ -138,8 +149,8 @@ private:
     const std::string word = arguments.own[1];
     for (const CLI::App* command : app_.get_subcommands(nullptr))
       if (command->get_name() == word) return;
-    throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, partition "
-                                 "and schema, see taut --help",
+    throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, "
+                                 "partition, mesh and schema, see taut --help",
                                  word));
   }
 
@@ -149,10 +160,10 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *resume_, *check_, *info_, *partition_, *schema_;
-  std::string case_, out_, path_, checkpoint_, json_, counters_, progress_ = "auto";
+  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *schema_;
+  std::string case_, out_, svg_, path_, checkpoint_, json_, counters_, progress_ = "auto";
   int ranks_ = 1;
-  std::vector<std::string> sets_;
+  std::vector<std::string> sets_, edges_;
   bool overwrite_ = false, table_ = false;
 };
 

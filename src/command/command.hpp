@@ -44,11 +44,18 @@ struct PartitionOptions {
   std::filesystem::path json; ///< empty: none
 };
 
+struct MeshOptions {
+  std::filesystem::path pattern;
+  std::vector<std::string> edges; ///< lengths of the edges: "5mm", and of single panels "collar=2mm"
+  std::filesystem::path out, svg; ///< empty: none
+};
+
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
 int check(MPI_Comm comm, const CaseSource& source);
 int info(MPI_Comm comm, const std::filesystem::path& path);
 int partition(MPI_Comm comm, const PartitionOptions& options);
+int mesh(MPI_Comm comm, const MeshOptions& options);
 
 /// Reads the case file on rank 0 and shares it. Throws InputError.
 Case load_case(MPI_Comm comm, const CaseSource& source);

@@ -34,7 +34,7 @@ public:
   Tree convert(const YAML::Node& node, int depth = 0) {
     Tree tree;
     tree.place = place_(node.Mark());
-    if (depth > deepest) throw InputError(tree.place + ": nested too deep; a case has few levels");
+    if (depth > deepest) throw InputError(tree.place + ": nested too deep; a few levels are enough");
     if (++count_ > most_)
       throw InputError(tree.place + ": aliases (*) stand for too many values; write them out");
     if (node.IsScalar()) {
@@ -70,7 +70,7 @@ Tree parse(const std::string& text, const Place& place, Origin origin) {
   try {
     if (const auto second = second_document(text))
       throw InputError(place(*second) +
-                       ": a second document starts here; a case is only one, so check --- and brackets");
+                       ": a second document starts here; a file holds only one, so check --- and brackets");
     return Converter(place, origin, text.size() + most_copies).convert(YAML::Load(text));
   } catch (const YAML::Exception& e) {
     throw InputError(fmt::format("{}: not YAML: {}; check indentation, colons, brackets and quotes here",
@@ -165,8 +165,12 @@ std::string Tree::found() const {
   return "nothing";
 }
 
+Tree parse_document(const std::string& text, const std::string& file_name) {
+  return parse(text, place_in_file(file_name), Origin::file);
+}
+
 Tree parse_case(const std::string& text, const std::string& file_name) {
-  Tree root = parse(text, place_in_file(file_name), Origin::file);
+  Tree root = parse_document(text, file_name);
   if (root.kind == Tree::Kind::nothing)
     throw InputError(root.place + ": the case is empty; give at least 'cloth'");
   if (root.kind != Tree::Kind::map)

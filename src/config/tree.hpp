@@ -37,7 +37,10 @@ struct Entry {
   Tree value;
 };
 
-/// Throws `InputError` if `text` is not one YAML document with a map at its root whose keys differ.
+/// Throws `InputError` if `text` is not one YAML document, or keys of a map are the same. JSON is YAML, too.
+Tree parse_document(const std::string& text, const std::string& file_name);
+
+/// The same for a case: throws also if its root is not a map.
 Tree parse_case(const std::string& text, const std::string& file_name);
 
 /// Puts the value of `--set key=value` into `root`; blocks on the way that are missing are made.

@@ -270,7 +270,7 @@ MISTAKES = [
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition and schema, see "
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh and schema, see "
             "taut --help"),
     command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
 

@@ -368,15 +368,15 @@ TEST(ConfigError, NotYaml) {
   EXPECT_EQ(error("a: b: c\n"),
             at("1:5", "not YAML: illegal map value; check indentation, colons, brackets and quotes here"));
   EXPECT_EQ(error("? [a]\n: 1\n"), at("1:3", "a key must be a word"));
-  EXPECT_EQ(error("a: &x [*x]\n"), at("1:4", "nested too deep; a case has few levels"));
+  EXPECT_EQ(error("a: &x [*x]\n"), at("1:4", "nested too deep; a few levels are enough"));
   EXPECT_EQ(error(grid + "---\n" + grid),
-            at("3:1", "a second document starts here; a case is only one, so check --- and brackets"));
+            at("3:1", "a second document starts here; a file holds only one, so check --- and brackets"));
 }
 
 // yaml-cpp by itself finds documents without end behind the first.
 TEST(ConfigError, ContentBehindTheDocument) {
   EXPECT_EQ(error("# a comma that is nowhere\n  , y: 1\n"),
-            at("2:3", "a second document starts here; a case is only one, so check --- and brackets"));
+            at("2:3", "a second document starts here; a file holds only one, so check --- and brackets"));
 }
 
 TEST(ConfigError, AliasesThatMultiply) {

@@ -1,0 +1,30 @@
+#pragma once
+#include "partition/types.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// What GEOS knows of polygons. A ring is a list of points, of any direction, closed from the last to the
+/// first.
+namespace taut::garment {
+
+using Ring = std::vector<Vec2>;
+
+/// Why a ring is not that of a simple polygon, in the words of GEOS, and where.
+struct RingFault {
+  std::string reason;
+  Vec2 place;
+};
+std::optional<RingFault> fault_of_ring(const Ring& ring);
+
+/// The radius of the largest circle inside a simple polygon, to within `tolerance`.
+double inscribed_radius(const Ring& ring, double tolerance);
+
+/// Covers a simple polygon by triangles whose corners are its points, by their numbers; counter-clockwise,
+/// not all of them Delaunay. Nothing if GEOS fails.
+std::optional<std::vector<std::array<int, 3>>> triangulate(const Ring& ring);
+
+} // namespace taut::garment

@@ -1,0 +1,125 @@
+#include "src/garment/write_mesh.hpp"
+
+#include "io/hdf5.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace taut::garment {
+
+namespace {
+
+/// A name as one word of an OBJ file.
+std::string word(std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c <= ' ' || c == '#' || c == '\\'; }, '_');
+  return name;
+}
+
+std::string obj_text(const GarmentMesh& mesh) {
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  for (const Vec3& p : mesh.positions) fmt::format_to(out, "v {} {} {}\n", p[0], p[1], p[2]);
+  for (const Vec2& m : mesh.material) fmt::format_to(out, "vt {} {}\n", m[1], -m[0]);
+  for (const MeshedPanel& panel : mesh.panels) {
+    fmt::format_to(out, "g {}\n", word(panel.name));
+    for (Global c = panel.first_cell; c < panel.first_cell + panel.cells; ++c) {
+      text.push_back('f');
+      for (int k = 0; k < mesh.cells[c].size(); ++k)
+        fmt::format_to(out, " {0}/{0}", mesh.cells[c].vertices[k] + 1);
+      text.push_back('\n');
+    }
+  }
+  return {text.data(), text.size()};
+}
+
+std::string json_list(const std::vector<std::string>& names) {
+  using Json = nlohmann::json;
+  return Json(names).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Rank 0 gives all rows.
+class RootWriter {
+public:
+  RootWriter(MPI_Comm comm, H5Writer& file) : comm_(comm), file_(file), root_(rank_of(comm) == 0) {}
+
+  template<class T>
+  void write(const std::string& name, const std::vector<T>& numbers, int columns) {
+    Global rows = Global(numbers.size()) / columns;
+    MPI_Bcast(&rows, 1, MPI_INT64_T, 0, comm_);
+    const auto mine = root_ ? std::span<const T>(numbers) : std::span<const T>();
+    file_.write<T>(name, mine, columns, {0, root_ ? rows : 0, rows});
+  }
+
+private:
+  MPI_Comm comm_;
+  H5Writer& file_;
+  bool root_;
+};
+
+void write_cells(RootWriter& file, const GarmentMesh& mesh) {
+  std::vector<Global> corners, offsets{0};
+  std::vector<double> texture;
+  std::vector<std::int32_t> panel;
+  for (const Cell& cell : mesh.cells) {
+    corners.insert(corners.end(), cell.vertices.begin(), cell.vertices.begin() + cell.size());
+    offsets.push_back(Global(corners.size()));
+    const Corners2 uv = texture_of(mesh, cell);
+    for (int k = 0; k < cell.size(); ++k) texture.insert(texture.end(), {uv[k][0], uv[k][1]});
+  }
+  for (std::size_t p = 0; p < mesh.panels.size(); ++p)
+    panel.insert(panel.end(), std::size_t(mesh.panels[p].cells), std::int32_t(p));
+  file.write("/faces", corners, 1);
+  file.write("/face_offsets", offsets, 1);
+  file.write("/texture", texture, 2);
+  file.write("/cells/panel", panel, 1);
+}
+
+void write_seams(RootWriter& file, const GarmentMesh& mesh) {
+  std::vector<Global> pairs, offsets{0};
+  for (const MeshedSeam& seam : mesh.seams) {
+    for (const auto& [a, b] : seam.pairs) pairs.insert(pairs.end(), {a, b});
+    offsets.push_back(Global(pairs.size() / 2));
+  }
+  file.write("/seams/pairs", pairs, 2);
+  file.write("/seams/offsets", offsets, 1);
+}
+
+void write_labels(RootWriter& file, const GarmentMesh& mesh) {
+  std::vector<Global> all, offsets{0};
+  for (const auto& [name, vertices] : mesh.labels) {
+    all.insert(all.end(), vertices.begin(), vertices.end());
+    offsets.push_back(Global(all.size()));
+  }
+  file.write("/labels/vertices", all, 1);
+  file.write("/labels/offsets", offsets, 1);
+}
+
+} // namespace
+
+void write_obj(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path) {
+  write_text_whole(comm, path, rank_of(comm) == 0 ? obj_text(mesh) : "");
+}
+
+void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path) {
+  std::vector<std::string> panels, seams, labels;
+  for (const MeshedPanel& panel : mesh.panels) panels.push_back(panel.name);
+  for (const MeshedSeam& seam : mesh.seams) seams.push_back(seam.name);
+  for (const auto& [name, vertices] : mesh.labels) labels.push_back(name);
+  write_whole(comm, path, [&](H5Writer& file) {
+    RootWriter root(comm, file);
+    std::vector<double> positions;
+    for (const Vec3& p : mesh.positions) positions.insert(positions.end(), p.begin(), p.end());
+    root.write("/rest_positions", positions, 3);
+    write_cells(root, mesh);
+    write_seams(root, mesh);
+    write_labels(root, mesh);
+    file.attribute("panels", json_list(panels));
+    file.attribute("seams", json_list(seams));
+    file.attribute("labels", json_list(labels));
+  });
+}
+
+} // namespace taut::garment

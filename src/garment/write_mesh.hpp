@@ -1,0 +1,18 @@
+#pragma once
+#include "src/garment/garment_mesh.hpp"
+
+#include <filesystem>
+
+/// Meshes of garments as files that taut reads (io/mesh_file.hpp). All collective; the mesh that rank 0 holds
+/// is written. Throw `InputError` if the file cannot be written.
+namespace taut::garment {
+
+/// Wavefront OBJ: positions, `vt` with u along warp and v along weft, in m, a group for each panel.
+void write_obj(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path);
+
+/// HDF5: `/rest_positions` (n, 3) m, `/faces`, `/face_offsets`, `/texture` (corners, 2) m, and `/cells/panel`
+/// (cells), `/seams/pairs` (p, 2) vertices with `/seams/offsets`, `/labels/vertices` with `/labels/offsets`;
+/// attributes `panels`, `seams` and `labels` hold the names, as lists in JSON.
+void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path);
+
+} // namespace taut::garment
