@@ -44,12 +44,12 @@ struct Bed {
 
   State at(const WholeState& whole) const {
     const IndexMap &vertices = cloth.mesh.vertices, &edges = cloth.mesh.edges;
-    return {state_time,
-            0,
-            local(vertices, whole.positions),
-            local(vertices, whole.velocities),
-            std::vector<Vec3>(vertices.size(), Vec3::Zero()),
-            local(edges, whole.force_density)};
+    State state{.time = state_time,
+                .positions = local(vertices, whole.positions),
+                .velocities = local(vertices, whole.velocities)};
+    state.multipliers.force_density = local(edges, whole.force_density);
+    state.multipliers.carried_contact_force.assign(vertices.size(), Vec3::Zero());
+    return state;
   }
 };
 

@@ -9,27 +9,28 @@ namespace taut {
 /// What the next step starts from: forces and stresses rather than multipliers times a step squared, because
 /// the next step may be of another size.
 struct Multipliers {
-  std::vector<double> force_density; ///< N/m, of local edges: the tension of an edge over its length
-  std::vector<Vec2> stress; ///< N/m, of local vertices: along warp and weft, see MetricSet; with these
+  std::vector<double> force_density{}; ///< N/m, of local edges: the tension of an edge over its length
+  std::vector<Vec2> stress{}; ///< N/m, of local vertices: along warp and weft, see MetricSet; with these
   std::vector<double>
-      projection_tension; ///< N, of local edges: by the projections of the last step; with contact
-  std::vector<Vec3> carried_contact_force; ///< N, of local vertices: what of it lasted through the last step
-  ContactMemory contacts;                  ///< of the last step, at their homes
+      projection_tension{}; ///< N, of local edges: by the projections of the last step; with contact
+  std::vector<Vec3>
+      carried_contact_force{}; ///< N, of local vertices: what of it lasted through the last step
+  ContactMemory contacts{};    ///< of the last step, at their homes
 };
 
 /// What is only shown: nothing is computed from it.
 struct Reported {
-  std::vector<Vec3> reaction;      ///< N, of owned vertices: with what their pin acts on them
-  std::vector<Vec3> contact_force; ///< N, of owned vertices: what contacts press and rub
+  std::vector<Vec3> reaction{};      ///< N, of owned vertices: with what their pin acts on them
+  std::vector<Vec3> contact_force{}; ///< N, of owned vertices: what contacts press and rub
 };
 
 struct State {
-  double time = 0;              ///< s
-  Global step = 0;              ///< accepted steps so far
-  std::vector<Vec3> positions;  ///< m, of local vertices
-  std::vector<Vec3> velocities; ///< m/s
-  Multipliers multipliers;
-  Reported reported;
+  double time = 0;                ///< s
+  Global step = 0;                ///< accepted steps so far
+  std::vector<Vec3> positions{};  ///< m, of local vertices
+  std::vector<Vec3> velocities{}; ///< m/s
+  Multipliers multipliers{};
+  Reported reported{};
 
   /// The step before, for bdf2; empty where there was none, and for the other integrators.
   std::vector<Vec3> previous_positions{}, previous_velocities{};

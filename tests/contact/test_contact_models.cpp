@@ -286,7 +286,7 @@ TEST(PenaltySprings, MakeASymmetricPositiveSystem) {
     Simulation simulation(comm, input);
     const Cloth& cloth = simulation.cloth();
     const Pattern pattern(cloth.mesh);
-    const PenaltySprings springs(cloth, simulation.obstacles(), input);
+    PenaltySprings springs(cloth, simulation.obstacles(), input);
     State state = simulation.state();
     const auto noise = random_vectors(cloth.mesh.vertices.total, 0.03, 7),
                first = random_vectors(cloth.mesh.vertices.total, 1, 8),

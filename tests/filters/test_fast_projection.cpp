@@ -1,5 +1,5 @@
-#include "src/filters/fast_projection.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/filters/fast_projection.hpp"
 #include "tests/petsc_options.hpp"
 #include "tests/support.hpp"
 

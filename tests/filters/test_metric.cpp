@@ -1,6 +1,6 @@
 // The metric averaged at vertices, and Fast Projection onto it.
-#include "src/filters/fast_projection.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/filters/fast_projection.hpp"
 #include "tests/support.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Fast Projection as a library.
-#include "src/filters/project.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/filters/project.hpp"
 #include "tests/support.hpp"
 
 #include <gmock/gmock.h>

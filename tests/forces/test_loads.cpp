@@ -99,7 +99,7 @@ TEST_F(Loads, CarriedTensionIsALaplacian) {
   for (Local e = 0; e < mesh.edges.owned; ++e) {
     const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]];
     const Global b = mesh.vertices.original[mesh.edge_vertices[e][1]];
-    const double q = std::max(0.0, state_.multipliers.force_density[mesh.edges.original[e]]);
+    const double q = std::max(0.0, state_.force_density[mesh.edges.original[e]]);
     for (int k = 0; k < 3; ++k) {
       const Column ends = Column::Unit(3 * n, 3 * a + k) - Column::Unit(3 * n, 3 * b + k);
       expected += q * ends * ends.transpose();

@@ -48,11 +48,12 @@ protected:
       const Bed bed(std::move(mesh));
       const IndexMap& map = bed.cloth.mesh.vertices;
       const StepSystem system = full_step(bed, state_, dt);
-      std::vector<char> held;
-      for (const Global v : map.original) held.push_back(prescribed(v));
+      Freedom freedom(map.size());
+      for (Local i = 0; i < map.size(); ++i)
+        if (prescribed(map.original[i])) freedom.hold(i);
       std::vector<Vec3> v = local(map, state_.velocities);
       VelocitySystem solver(bed.cloth.mesh, bed.pattern, options);
-      const SolveReport report = solver.solve(system.matrix(), system.rhs(), held, tolerance, v);
+      const SolveReport report = solver.solve(system.matrix(), system.rhs(), freedom, tolerance, v);
       const Column found = gather<Vec3>(world, map, v);
       for (Local i = 0; i < map.size(); ++i) EXPECT_EQ(v[i], found.segment<3>(3 * map.original[i])); // ghosts
       check(report, found);
@@ -139,8 +140,8 @@ TEST_F(VelocitySolve, LeavesASolutionAlone) {
     for (const auto kind : {cg, mumps}) {
       std::vector<Vec3> v = zero;
       VelocitySystem solver(bed.cloth.mesh, bed.pattern, {kind, 1000});
-      const std::vector<char> held(zero.size(), 0);
-      EXPECT_EQ(solver.solve(system.matrix(), zero, held, tolerance, v).failure, "");
+      const Freedom freedom(zero.size());
+      EXPECT_EQ(solver.solve(system.matrix(), zero, freedom, tolerance, v).failure, "");
       EXPECT_EQ(v, zero);
     }
   });
@@ -151,20 +152,20 @@ TEST_F(VelocitySolve, LeavesASolutionAlone) {
 TEST_F(VelocitySolve, FollowsAMatrixThatChanges) {
   on_odd_partitions(mixed_mesh, [&](DistributedMesh mesh) {
     const Bed bed(std::move(mesh));
-    const std::vector<char> held(bed.cloth.mesh.vertices.size(), 0);
+    const Freedom freedom(bed.cloth.mesh.vertices.size());
     for (const auto kind : {cg, mumps}) {
       VelocitySystem used(bed.cloth.mesh, bed.pattern, {kind, 1000});
       for (const double step : {dt, 10 * dt}) {
         const Dense a = gather(whole_.cloth.mesh, full_step(whole_, state_, step).matrix());
         const StepSystem system = full_step(bed, state_, step);
-        std::vector<Vec3> v(held.size(), Vec3::Zero()), w = v;
-        const SolveReport report = used.solve(system.matrix(), system.rhs(), held, tolerance, v);
+        std::vector<Vec3> v(freedom.size(), Vec3::Zero()), w = v;
+        const SolveReport report = used.solve(system.matrix(), system.rhs(), freedom, tolerance, v);
         EXPECT_EQ(report.failure, "");
         const Column b = whole_rhs(bed, system), found = gather<Vec3>(world, bed.cloth.mesh.vertices, v);
         EXPECT_LT(relative_error(a * found, b), accuracy);
         VelocitySystem fresh(bed.cloth.mesh, bed.pattern, {kind, 1000});
         EXPECT_EQ(report.iterations,
-                  fresh.solve(system.matrix(), system.rhs(), held, tolerance, w).iterations);
+                  fresh.solve(system.matrix(), system.rhs(), freedom, tolerance, w).iterations);
       }
     }
   });

@@ -142,7 +142,7 @@ TEST(HangingChain, IsACatenary) {
   const Column& end = chain.positions.back();
   for (int i = 0; i <= links; ++i) EXPECT_NEAR(-end[3 * i + 2], expected.depth[i], 1e-4 * sag);
   const DistributedMesh& mesh = simulation.cloth().mesh;
-  const Column q = gather<double>(world, mesh.edges, simulation.state().force_density);
+  const Column q = gather<double>(world, mesh.edges, simulation.state().multipliers.force_density);
   for (int i = 0; i < links; ++i)
     EXPECT_NEAR(q[i] * length / links, expected.tension[i], 1e-3 * expected.tension[i]);
 }
