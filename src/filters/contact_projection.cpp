@@ -57,7 +57,7 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
   }
   timed(report, [&] {
     scene_.search.find(safe_.motion(), thickness_.largest_near(), slack * thickness_.largest());
-    take_pairs(0);
+    update_pairs(0);
   });
   for (iteration_ = 1;; ++iteration_) {
     rows_.make(iteration_);
@@ -85,7 +85,7 @@ void ContactProjection<Set>::begin(const State& start, double dt, const Freedom&
 
 /// Of which the first `known` were there when gaps were last measured.
 template<ConstraintSet Set>
-void ContactProjection<Set>::take_pairs(std::size_t known) {
+void ContactProjection<Set>::update_pairs(std::size_t known) {
   scene_.gather_start();
   safe_.measure_gaps(known);
 }
@@ -128,7 +128,7 @@ template<ConstraintSet Set>
 bool ContactProjection<Set>::ends_after_moving(FilterReport& report) {
   double fraction = 1;
   timed(report, [&] {
-    if (scene_.search.follow(safe_.motion())) take_pairs(scene_.search.kept());
+    if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
     fraction = safe_.safe_fraction_to_target();
   });
   safe_.advance(fraction);

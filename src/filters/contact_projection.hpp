@@ -39,7 +39,7 @@ public:
 
 private:
   void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
-  void take_pairs(std::size_t known);
+  void update_pairs(std::size_t known);
   std::string project(FilterReport& report);
   void count_contacts(FilterReport& report) const;
   bool ends_after_moving(FilterReport& report);

@@ -14,7 +14,7 @@ void zero(std::vector<T>& field, std::size_t size) {
 
 } // namespace
 
-void Candidate::start_from(const State& state) {
+void Candidate::reset_for(const State& state) {
   end_velocities.clear();
   zero(multipliers.force_density, state.multipliers.force_density.size());
   zero(multipliers.stress, state.multipliers.stress.size());

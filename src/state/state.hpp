@@ -66,7 +66,7 @@ struct Candidate {
   Reported reported;
 
   /// Multipliers and reports as many as those of `state`, and zero.
-  void start_from(const State& state);
+  void reset_for(const State& state);
 };
 
 } // namespace taut

@@ -154,7 +154,7 @@ Simulation::Attempt Simulation::attempt(double dt) {
   Attempt attempt;
   StepRecord& record = attempt.record;
   record.dt = dt;
-  candidate_.start_from(state_);
+  candidate_.reset_for(state_);
   Stopwatch watch;
   const double cpu = cpu_seconds();
   const StepStart start = start_of_step(dt);

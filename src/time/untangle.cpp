@@ -58,7 +58,7 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   std::vector<Vec3> bodies;
   obstacles.place(result.state.time, bodies);
   const Thickness thickness(cloth, input);
-  Untangler way_out(cloth, obstacles, thickness);
+  Untangler untangler(cloth, obstacles, thickness);
   Intersections test(cloth, obstacles);
   const Freedom freedom = freedom_at_start(simulation, input.time.max_step);
   EdgeKeeper edges(simulation, input, freedom);
@@ -71,7 +71,7 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   if (result.left == 0) return Untangled{.state = simulation.state()};
   for (; !result.succeeded() && result.rounds < most_rounds; look()) {
     if (result.left > 0) {
-      const std::vector<Vec3> moves = way_out.find(x, bodies);
+      const std::vector<Vec3> moves = untangler.find(x, bodies);
       for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
         if (freedom.is_free(i)) x[i] += moves[i];
       cloth.mesh.vertex_halo.update(x);
