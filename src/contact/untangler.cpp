@@ -218,7 +218,8 @@ void Untangler::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> 
   search_.find({cloth, cloth, obstacles, obstacles}, 0.0);
   std::vector<Vec3> field;
   search_.gather(cloth, obstacles, field);
-  std::vector<Vec3> sums(search_.size(), Vec3::Zero()), counts = sums; // the first component counts
+  std::vector<Vec3> sums(search_.size(), Vec3::Zero());
+  std::vector<double> counts(search_.size(), 0.0);
   for (const Pair& pair : search_.pairs()) {
     if (pair.body < 0 || (crosses && has_faces_[pair.body])) continue;
     const Approach here = approach(pair, at(pair, field));
@@ -233,13 +234,13 @@ void Untangler::leave_bodies(std::span<const Vec3> cloth, std::span<const Vec3> 
     for (int i = 0; i < 4; ++i) {
       if (is_body(i) || here.weights[i] == 0) continue;
       sums[pair.vertices[i]] += here.weights[i] * violation / size * here.normal;
-      counts[pair.vertices[i]][0] += 1;
+      counts[pair.vertices[i]] += 1;
     }
   }
   search_.accumulate(sums);
   search_.accumulate(counts);
   for (std::size_t i = 0; i < moves.size(); ++i)
-    if (counts[i][0] > 0) moves[i] += sums[i] / counts[i][0];
+    if (counts[i] > 0) moves[i] += sums[i] / counts[i];
 }
 
 } // namespace taut

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 /// Fast Projection for other integrators: from where they would have vertices go to where edges have their
-/// length. This header and `partition/` are all a program needs; see tests/example_project.cpp.
+/// length. This header and `partition/` are all a program needs; see tests/filters/example_project.cpp.
 namespace taut {
 
 /// The mass of a vertex that stays where the candidate has it.

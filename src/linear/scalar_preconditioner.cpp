@@ -116,11 +116,4 @@ void ScalarPreconditioner::add_correction(std::size_t level, std::span<const Vec
   coarse.grid.add_spread(coarse.x, x);
 }
 
-std::vector<Global> ScalarPreconditioner::grid_sizes() const {
-  std::vector<Global> sizes;
-  if (uses_grids_)
-    for (const auto& level : grids_) sizes.push_back(level->grid.total());
-  return sizes;
-}
-
 } // namespace taut

@@ -29,9 +29,6 @@ public:
   /// x = S^-1 b, nearly, over owned vertices. Collective over neighbours.
   void solve(std::span<const Vec3> b, std::span<Vec3> x) const;
 
-  /// The points of each coarser grid in use, over all ranks.
-  std::vector<Global> grid_sizes() const;
-
 private:
   struct Coarse {
     SplineGrid grid;
