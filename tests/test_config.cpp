@@ -246,7 +246,7 @@ TEST(Config, SchemaSaysWhatIsAllowed) {
   EXPECT_EQ(step, Json::parse(R"({"description": "longest time step", "type": ["number", "string"],
                                  "exclusiveMinimum": 0, "x-unit": "s", "default": 0.01})"));
   const Json& cloth = schema["properties"]["cloth"];
-  EXPECT_EQ(cloth["oneOf"].size(), 3u);
+  EXPECT_EQ(cloth["oneOf"].size(), 4u);
   EXPECT_EQ(cloth["additionalProperties"], false);
   EXPECT_EQ(cloth["properties"]["grid"]["required"], Json({"size", "vertices"}));
   EXPECT_EQ(cloth["properties"]["fabric"]["enum"], Json(config::fabric_names()));
