@@ -26,10 +26,12 @@ struct FixedKey {
 constexpr std::array fixed_keys{
     FixedKey{"cloth.grid", "the state belongs to its vertices"},
     FixedKey{"cloth.line", "the state belongs to its vertices"},
+    FixedKey{"cloth.edge", "the state belongs to its vertices"},
     FixedKey{"cloth.scale", "the state belongs to the mesh as it was scaled"},
     FixedKey{"cloth.start", "the run has left its start already"},
     FixedKey{"cloths.*.grid", "the state belongs to its vertices"},
     FixedKey{"cloths.*.line", "the state belongs to its vertices"},
+    FixedKey{"cloths.*.edge", "the state belongs to its vertices"},
     FixedKey{"cloths.*.scale", "the state belongs to the mesh as it was scaled"},
     FixedKey{"cloths.*.start", "the run has left its start already"},
     FixedKey{"pins.*.cloth", "a vertex pinned on the way would jump back to its start"},
@@ -53,7 +55,8 @@ std::string shortened(const std::string& text) {
   return text.size() <= longest ? text : text.substr(0, longest) + "...";
 }
 
-constexpr std::array file_keys{"cloth.mesh", "cloth.start.shape", "cloths.*.mesh", "cloths.*.start.shape"};
+constexpr std::array file_keys{"cloth.mesh",    "cloth.pattern",    "cloth.start.shape",
+                               "cloths.*.mesh", "cloths.*.pattern", "cloths.*.start.shape"};
 
 /// Says what is new since the checkpoint; throws for what must stay. A mesh may lie elsewhere now.
 void tell_changes(MPI_Comm comm, const Case& before, const Case& after) {

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 /// The case as run, to be run again from anywhere.
 std::string case_as_run(Case input) {
   std::vector<std::optional<fs::path>*> paths;
-  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.start.shape});
+  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
   for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
   for (auto* path : paths)
     if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();

@@ -65,10 +65,12 @@ struct Material {
 /// One cloth of a case.
 struct Cloth {
   std::optional<std::string> name; ///< for messages and pins; absent: its number
-  std::optional<Grid> grid;        ///< exactly one of grid, line and mesh is there
+  std::optional<Grid> grid;        ///< exactly one of grid, line, mesh and pattern is there
   std::optional<Line> line;
-  std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
-  double scale = 1;                          ///< m per unit of the mesh and of `start.shape`
+  std::optional<std::filesystem::path> mesh;    ///< as written: relative to the case file
+  std::optional<std::filesystem::path> pattern; ///< as written
+  std::optional<double> edge;                   ///< m, of the mesh of the pattern; there if that is
+  double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
   Material material;

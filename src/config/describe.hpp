@@ -28,7 +28,7 @@ namespace taut::config {
 template<class V>
 void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
-  v.one_or_list("cloth", "cloths", c.cloths, {.meaning = "the cloth; one of grid, line and mesh"});
+  v.one_or_list("cloth", "cloths", c.cloths, {.meaning = "the cloth; one of grid, line, mesh and pattern"});
   v("pins", c.pins, {.meaning = "what holds the cloth"});
   v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});

@@ -92,10 +92,18 @@ void describe(V& v, Is<Material> auto& m) {
 template<class V>
 void describe(V& v, Is<Cloth> auto& c) {
   v("name", c.name, {.computed_default = "its number", .meaning = "how pins and messages call it"});
-  v.exactly_one({"grid", "line", "mesh"});
+  v.exactly_one({"grid", "line", "mesh", "pattern"});
   v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
   v("line", c.line, {.meaning = "a chain of line elements along x"});
   v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
+  v("pattern", c.pattern,
+    {.meaning =
+         "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, not sewn"});
+  v("edge", c.edge,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "none; a pattern needs it",
+     .meaning = "length of the edges of its mesh, where the pattern gives no other"});
   v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
   v("start", c.start, {.meaning = "where the cloth starts"});
   v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
@@ -106,6 +114,9 @@ void describe(V& v, Is<Cloth> auto& c) {
      .range = positive,
      .computed_default = "`contact.thickness`",
      .meaning = "distance kept between two layers of it; to another cloth, the mean of both is kept"});
+  v.check("edge", !c.pattern || c.edge,
+          "is missing; a pattern needs the length of the edges of its mesh, e.g. 5 mm");
+  v.check("edge", c.pattern || !c.edge, "is for a pattern; remove it, or give cloth.pattern");
 }
 
 } // namespace taut::config

@@ -78,11 +78,15 @@ void check_panel(const Panel& panel) {
   const auto fail = [&](const std::string& what) {
     throw InputError(fmt::format("{}: panel '{}' {}", panel.place, panel.name, what));
   };
-  if (size.maxCoeff() > largest)
+  if (!size.allFinite() || size.maxCoeff() > largest)
     fail(
         fmt::format("is {:.3g} m by {:.3g} m large; if the numbers of the pattern are centimetres, say so by "
                     "properties: {{units_in_meter: 100}}",
                     size[0], size[1]));
+  constexpr double farthest = 1000;
+  if (!(panel.translation.norm() < farthest))
+    fail(fmt::format("is placed {:.3g} m away; correct its translation, or units_in_meter",
+                     panel.translation.norm()));
   if (on_one_line(outline.points)) fail("has no area: its edges lie on one line; correct its vertices");
   if (const auto fault = fault_of_ring(outline.points))
     fail(fmt::format(

@@ -4,6 +4,7 @@
 #include "io/obj.hpp"
 #include "partition/grid.hpp"
 #include "src/config/methods.hpp"
+#include "src/garment/load_garment.hpp"
 
 #include <Eigen/Geometry>
 
@@ -17,6 +18,7 @@ MeshSlab load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cloth)
   if (cloth.grid)
     return make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells));
   if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
+  if (cloth.pattern) return garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
   return read_mesh(comm, input.folder() / *cloth.mesh, cloth.scale);
 }
 

@@ -31,6 +31,8 @@ cloth: {mesh: mesh.obj}
 pins: [{vertices: [0]}]
 time: {end: 0.02, frame_rate: 100}
 """
+PATTERN = ("panels: {front: {vertices: [[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]], edges: [{endpoints: [0, 1]}, "
+           "{endpoints: [1, 2]}, {endpoints: [2, 3]}, {endpoints: [3, 0]}]}}\n")
 BODY = "v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n"
 BALL = "union: {parts: [{sphere: {centre: [0, 0, -1], radius: 10 cm}}], "
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -270,8 +272,21 @@ MISTAKES = [
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh and schema, see "
-            "taut --help"),
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh and "
+            "schema, see taut --help"),
+    Mistake("pattern_stitches", "taut: pattern.yaml:3:14: stitches.0.0.panel: there is no panel 'fornt' (did you mean "
+            "'front'?); there are front",
+            files={"pattern.yaml": PATTERN + "stitches:\n"
+                   "  - [{panel: fornt, edge: 0}, {panel: front, edge: 1}]\n"},
+            arguments=("mesh", "pattern.yaml", "--edge", "1cm", "--out", "result.h5")),
+    Mistake("pattern_too_thin", "taut: pattern.yaml:1:10: panel 'front' is thinner than an edge: nowhere wider than "
+            "100 mm, with edges of 200 mm; give it shorter ones, e.g. edge: 50 mm", files={"pattern.yaml": PATTERN},
+            arguments=("mesh", "pattern.yaml", "--edge", "20cm", "--svg", "result.svg")),
+    Mistake("pattern_without_edge", "taut: case.yaml:1:8: cloth.edge: is missing; a pattern needs the length of the "
+            "edges of its mesh, e.g. 5 mm", "cloth: {pattern: pattern.yaml}\n"),
+    Mistake("mesh_format_unknown", "taut: --out result.stl: the extension '.stl' is not known; give a mesh file .obj "
+            "or .h5", files={"pattern.yaml": PATTERN},
+            arguments=("mesh", "pattern.yaml", "--edge", "1cm", "--out", "result.stl")),
     command("info_without_run", "info nowhere", "taut: nowhere: there is no such file or folder"),
 
     Mistake("output_below_a_file", "taut: case.yaml/result: cannot be written: Not a directory; choose another folder "

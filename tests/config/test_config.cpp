@@ -246,7 +246,7 @@ TEST(Config, SchemaSaysWhatIsAllowed) {
   EXPECT_EQ(step, Json::parse(R"({"description": "longest time step", "type": ["number", "string"],
                                  "exclusiveMinimum": 0, "x-unit": "s", "default": 0.01})"));
   const Json& cloth = schema["properties"]["cloth"];
-  EXPECT_EQ(cloth["oneOf"].size(), 3u);
+  EXPECT_EQ(cloth["oneOf"].size(), 4u);
   EXPECT_EQ(cloth["additionalProperties"], false);
   EXPECT_EQ(cloth["properties"]["grid"]["required"], Json({"size", "vertices"}));
   EXPECT_EQ(cloth["properties"]["fabric"]["enum"], Json(config::fabric_names()));
@@ -425,7 +425,7 @@ TEST(ConfigError, MissingKey) {
             at("2:9",
                "cloth.grid: missing key 'vertices' (numbers of vertices along x and y; row i, column j is "
                "vertex i*nx + j); add it"));
-  EXPECT_EQ(error("cloth: {scale: 2}"), at("1:8", "cloth: give one of the keys grid, line, mesh"));
+  EXPECT_EQ(error("cloth: {scale: 2}"), at("1:8", "cloth: give one of the keys grid, line, mesh, pattern"));
   EXPECT_EQ(error_after_cloth("pins: [{release: 1}]"),
             at("2:8", "pins.0: give one of the keys vertices, range, box, near"));
 }

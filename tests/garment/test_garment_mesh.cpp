@@ -5,6 +5,7 @@
 #include "partition/topology.hpp"
 #include "src/garment/draw_svg.hpp"
 #include "src/garment/write_mesh.hpp"
+#include "src/state/start.hpp"
 #include "tests/garment/patterns.hpp"
 
 #include <Eigen/Geometry>
@@ -203,6 +204,13 @@ TEST(GarmentFiles, HoldPanelsSeamsAndLabels) {
             Global(all.labels.at("hem").size() + all.labels.at("lower_interface").size()));
   const GarmentMesh bare = mesh_garment(pattern_of("panels:\n" + rectangle("a", 0.3, 0.3)), {0.02, {}});
   write_h5(world, rank_of(world) == 0 ? bare : GarmentMesh{}, h5.path()); // without seams and labels
+}
+
+TEST(GarmentInACase, IsMeshedWithTheEdgeLengthOfTheCase) {
+  const std::string text = "cloth: {pattern: skirt.yaml, edge: 2 cm}\n";
+  const Case input = read_case(text, std::string(TAUT_SOURCE_DIR) + "/cases/skirt-pattern/case.yaml");
+  const MeshSlab slab = share_out(world, rank_of(world) == 0 ? skirt(0.02) : GarmentMesh{}, "skirt");
+  expect_same(read_cloth(world, input).mesh.slab, slab, 0);
 }
 
 TEST(Drawing, ShowsPanelsAndSeams) {
