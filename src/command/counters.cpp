@@ -55,9 +55,9 @@ std::string counters_text(MPI_Comm comm, const Totals& totals, Global rejected_s
         describe(std::span(sums).subspan(p * counts.size(), counts.size()),
                  std::span(largest).subspan(p * counts.size(), counts.size()), size_of(comm));
   json["phases"]["velocity"]["solves"] = totals.steps;
-  json["phases"]["projection"]["solves"] = totals.iterations;
-  json["phases"]["velocity"]["iterations"] = totals.velocity_iterations;
-  json["phases"]["projection"]["iterations"] = totals.linear_iterations;
+  json["phases"]["projection"]["solves"] = totals.counts.iterations;
+  json["phases"]["velocity"]["iterations"] = totals.counts.velocity_iterations;
+  json["phases"]["projection"]["iterations"] = totals.counts.linear_iterations;
   return json.dump(2) + "\n";
 }
 

@@ -40,7 +40,8 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   result.weight = weight_of(cloth, input.gravity);
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
-  if (!limits.compliance) limits.compliance = default_compliance(limits.strain, result.weight);
+  if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd)
+    limits.compliance = default_compliance(limits.strain, result.weight);
   if (config::holds_limit(input)) result.strain_limit = limits.strain;
   return result;
 }

@@ -5,7 +5,7 @@ namespace taut {
 
 /// What a case leaves to the mesh, decided once.
 struct Resolved {
-  config::Inextensibility inextensibility; ///< `constrain` and `compliance` are given
+  config::Inextensibility inextensibility; ///< `constrain` is given, and `compliance` but for xpbd
   std::optional<double> strain_limit;      ///< of every accepted step; none if nothing keeps one
   double weight = 0;                       ///< of the cloth, N
 };

@@ -26,8 +26,8 @@ ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const F
   load_impulse_.resize(cloth.mesh.vertices.size());
 }
 
-SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedom,
-                                   std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
+StepReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedom,
+                                  std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {
   const double dt = start.dt;
   step_.start(dt);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
@@ -35,7 +35,10 @@ SolveReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedo
     step_.add_damping(i, cloth_.pieces[cloth_.piece_of(i)].material.damping.mass * cloth_.mass[i]);
   }
   add_forces(start);
-  const SolveReport report = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
+  const SolveReport solved = solver_.solve(step_.matrix(), step_.rhs(), freedom, tolerance_, velocities);
+  StepReport report;
+  report.velocity_iterations = solved.iterations;
+  if (!solved.failure.empty()) report.failure = "the velocity solver failed: " + solved.failure;
   if (!any_of(cloth_.mesh.comm, !freedom.all_free())) { // penalty springs reach across ranks
     reaction.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
     return report;

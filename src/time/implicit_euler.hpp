@@ -1,15 +1,13 @@
 #pragma once
+#include "src/filters/step_report.hpp"
 #include "src/forces/force.hpp"
 #include "src/linear/velocity_system.hpp"
-#include "src/state/pins.hpp"
 #include "src/time/integrator.hpp"
+#include "src/time/stepper_parts.hpp"
 
-#include <memory>
 #include <optional>
 
 namespace taut {
-
-using Forces = std::vector<std::unique_ptr<Force>>;
 
 /// One linearised implicit-Euler step for the velocities [BW98 eq. 6], pins inside the system [BW98 section
 /// 5]. BDF2 is made of such steps too: see Integrator.
@@ -26,9 +24,9 @@ public:
 
   /// `velocities` (local) holds the start velocities and, in the directions that `freedom` denies, the
   /// prescribed ones; on exit those at the end of the step, ghosts current. `reaction` (owned vertices): the
-  /// forces in N that keep the prescribed velocities. Collective.
-  SolveReport predict(const StepStart& start, const Freedom& freedom, std::vector<Vec3>& velocities,
-                      std::vector<Vec3>& reaction);
+  /// forces in N that keep the prescribed velocities. Tells of the linear solver. Collective.
+  StepReport predict(const StepStart& start, const Freedom& freedom, std::vector<Vec3>& velocities,
+                     std::vector<Vec3>& reaction);
 
 private:
   void add_forces(const StepStart& start);

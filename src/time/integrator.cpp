@@ -24,6 +24,12 @@ void extrapolate(const State& state, double by, double time, State& result) {
 
 } // namespace
 
+void set_positions(const StepStart& start, Candidate& candidate) {
+  candidate.positions.resize(start.state.positions.size());
+  for (std::size_t i = 0; i < candidate.positions.size(); ++i)
+    candidate.positions[i] = start.state.positions[i] + start.dt * candidate.velocities[i];
+}
+
 StepStart Integrator::start(const State& state, double dt) {
   const bool has_past = kind_ == config::Integrator::bdf2 && state.previous_dt > 0;
   const double ratio = has_past ? dt / state.previous_dt : 0.0;

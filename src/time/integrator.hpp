@@ -11,6 +11,9 @@ struct StepStart {
   const State& linearized_at;
 };
 
+/// The positions to which the velocities of the candidate lead from the start of the step.
+void set_positions(const StepStart& start, Candidate& candidate);
+
 /// What a step starts from. With implicit Euler and IMEX, the present state.
 ///
 /// BDF2, with the ratio r of the step h to the one before,

@@ -1,26 +1,10 @@
 #pragma once
+#include "src/filters/step_report.hpp"
 #include "src/state/state.hpp"
 
-#include <string>
 #include <vector>
 
 namespace taut {
-
-/// What a step, or a run, took: seconds on the clock by phase, and of the processors.
-struct PhaseSeconds {
-  double velocity = 0;
-  double projection = 0; ///< without `contact`
-  double contact = 0;    ///< finding what can meet, and moving without meeting
-  double cpu = 0;        ///< of all phases and all ranks; waiting for other ranks counts
-
-  PhaseSeconds& operator+=(const PhaseSeconds& other) {
-    velocity += other.velocity;
-    projection += other.projection;
-    contact += other.contact;
-    cpu += other.cpu;
-    return *this;
-  }
-};
 
 /// Joules, over all ranks. `potential` in the order of `energy_names`.
 struct Energies {
@@ -30,20 +14,14 @@ struct Energies {
 
 /// What an accepted step was like.
 struct StepRecord {
-  double dt = 0;               ///< s
-  int rejected = 0;            ///< attempts thrown away before this one
-  int velocity_iterations = 0; ///< of the velocity's linear solver
-  int iterations = 0;          ///< of the projection
-  int linear_iterations = 0;   ///< of the projection's linear solver, summed over `iterations`
-  Global contacts = 0;         ///< features in reach of each other
-  Global contacts_if_even = 0; ///< if every rank had as many as the one with most
+  double dt = 0;     ///< s
+  int rejected = 0;  ///< attempts thrown away before this one
+  StepCounts counts; ///< rejected attempts included in its seconds alone
   Strain strain;
-  double face_strain =
-      0;            ///< largest of any triangle along warp or weft, where the limit is for averages of it
-  double depth = 0; ///< m the lowest point has come down since the start
+  double face_strain = 0; ///< see Acceptance
+  double depth = 0;       ///< m the lowest point has come down since the start
   Energies energies;
   std::vector<Vec3> pin_forces; ///< N, of each pin on all its vertices together
-  PhaseSeconds seconds;         ///< rejected attempts included
 };
 
 /// Watches a run. Observers never change it. All calls are collective.

@@ -15,9 +15,7 @@ Progress::Progress(MPI_Comm comm, ProgressStyle style, Global frames, double end
 void Progress::after_step(const State& state, const StepRecord& r) {
   ++frame_.steps;
   frame_.rejected += r.rejected;
-  frame_.iterations += r.iterations;
-  frame_.linear_iterations += r.linear_iterations;
-  frame_.velocity_iterations += r.velocity_iterations;
+  frame_.counts += r.counts;
   frame_.strain = std::max(frame_.strain, r.strain.max);
   if (speaks_ && style_ == ProgressStyle::bar) draw_bar(state);
 }
@@ -31,8 +29,9 @@ void Progress::after_frame(const State& state, Global frame) {
              "{:.0f} CG  {:.2g} s/frame  left {}\n",
              frame, std::to_string(frames_).size(), frames_, state.time, frame_.steps,
              frame_.rejected > 0 ? fmt::format(" (+{} rejected)", frame_.rejected) : "", 100 * frame_.strain,
-             frame_.iterations / steps, frame_.linear_iterations / steps, frame_.velocity_iterations / steps,
-             now - frame_began_, in_words(seconds_left(state)));
+             double(frame_.counts.iterations) / steps, double(frame_.counts.linear_iterations) / steps,
+             double(frame_.counts.velocity_iterations) / steps, now - frame_began_,
+             in_words(seconds_left(state)));
   std::fflush(stdout);
   frame_ = {};
   frame_began_ = now;

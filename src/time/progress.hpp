@@ -30,7 +30,8 @@ private:
   double start_time_ = 0; ///< s, simulated
   double began_, frame_began_;
   struct {
-    int steps = 0, rejected = 0, iterations = 0, linear_iterations = 0, velocity_iterations = 0;
+    int steps = 0, rejected = 0;
+    StepCounts counts;
     double strain = 0;
   } frame_;
 };

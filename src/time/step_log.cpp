@@ -100,10 +100,12 @@ void StepLog::after_step(const State& state, const StepRecord& r) {
   std::optional<std::string> fault;
   if (out_.is_open()) {
     out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{},{:.9g}", state.step, state.time,
-                        r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.iterations,
-                        r.linear_iterations, r.velocity_iterations, r.contacts, r.energies.kinetic);
+                        r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.counts.iterations,
+                        r.counts.linear_iterations, r.counts.velocity_iterations, r.counts.contacts,
+                        r.energies.kinetic);
     for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
-    out_ << fmt::format(",{:.4g},{:.4g},{:.4g}", r.seconds.velocity, r.seconds.projection, r.seconds.contact);
+    out_ << fmt::format(",{:.4g},{:.4g},{:.4g}", r.counts.velocity_seconds, r.counts.projection_seconds,
+                        r.counts.contact_seconds);
     for (const Vec3& f : r.pin_forces) out_ << fmt::format(",{:.6g},{:.6g},{:.6g}", f[0], f[1], f[2]);
     out_ << '\n';
     if (!out_.flush()) fault = cannot_be_written(file_);

@@ -76,17 +76,12 @@ Summary::Summary(const Simulation& simulation, const Case& input, const Intersec
 void Summary::after_step(const State& state, const StepRecord& r) {
   Totals& t = totals_;
   ++t.steps;
-  t.iterations += r.iterations;
-  t.linear_iterations += r.linear_iterations;
-  t.velocity_iterations += r.velocity_iterations;
-  t.iterations_max = std::max(t.iterations_max, r.iterations);
-  t.contacts_max = std::max(t.contacts_max, r.contacts);
-  t.contacts += r.contacts;
-  t.contacts_if_even += r.contacts_if_even;
+  t.counts += r.counts;
+  t.iterations_max = std::max(t.iterations_max, r.counts.iterations);
+  t.contacts_max = std::max(t.contacts_max, r.counts.contacts);
   t.strain_max = std::max(t.strain_max, r.strain.max);
   t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
-  t.phases += r.seconds;
   simulation_.gauge().for_each(state.positions, [&](double strain, std::span<const Local>) {
     const double bin = std::ceil(std::abs(strain) / t.strain_limit * bins);
     ++t.histogram[bin < bins ? int(bin) : bins];
@@ -139,14 +134,16 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"projection",
        {{"method", method_name(limits.method)},
         {"compliance", config::is_projection(limits.method) ? Json(*limits.compliance) : Json()},
-        {"iterations_mean", a_step(double(all.iterations))},
+        {"iterations_mean", a_step(double(all.counts.iterations))},
         {"iterations_max", all.iterations_max},
-        {"ksp_iterations_mean",
-         all.iterations > 0 ? double(all.linear_iterations) / double(all.iterations) : 0.0}}},
-      {"velocity", {{"ksp_iterations_mean", a_step(double(all.velocity_iterations))}}},
+        {"ksp_iterations_mean", all.counts.iterations > 0
+                                    ? double(all.counts.linear_iterations) / double(all.counts.iterations)
+                                    : 0.0}}},
+      {"velocity", {{"ksp_iterations_mean", a_step(double(all.counts.velocity_iterations))}}},
       {"contact",
        {{"pairs_max", all.contacts_max},
-        {"imbalance", all.contacts > 0 ? double(all.contacts_if_even) / double(all.contacts) : 1.0},
+        {"imbalance",
+         all.counts.contacts > 0 ? double(all.counts.contacts_if_even) / double(all.counts.contacts) : 1.0},
         {"intersections", all.intersections}}},
       {"partition",
        {{"edge_cut", mesh.report.edge_cut},
@@ -155,10 +152,10 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"seconds",
        {{"total", all.seconds},
         {"setup", all.setup_seconds},
-        {"velocity", all.phases.velocity},
-        {"projection", all.phases.projection},
-        {"contact", all.phases.contact},
-        {"cpu", all.phases.cpu},
+        {"velocity", all.counts.velocity_seconds},
+        {"projection", all.counts.projection_seconds},
+        {"contact", all.counts.contact_seconds},
+        {"cpu", all.counts.cpu_seconds},
         {"output", all.output_seconds}}},
       {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";

@@ -6,11 +6,9 @@ namespace taut {
 /// What a run adds up over its steps, those before it was resumed included.
 struct Totals {
   Global steps = 0;
-  Global iterations = 0, linear_iterations = 0, velocity_iterations = 0; ///< as in StepRecord
-  int iterations_max = 0;
-  Global contacts_max = 0;
-  Global contacts = 0, contacts_if_even = 0; ///< as in StepRecord, summed over steps
-  Global intersections = 0;                  ///< found by IntersectionCheck
+  StepCounts counts;
+  Global iterations_max = 0, contacts_max = 0; ///< of any step
+  Global intersections = 0;                    ///< found by IntersectionCheck
   double strain_max = 0;
   double face_strain_max = 0;
   double strain_squares = 0; ///< of the rms strain of each step
@@ -18,7 +16,6 @@ struct Totals {
   /// Of |strain| over all edges and accepted steps: bin b counts those up to b / (bins - 1) of the limit, the
   /// last also those beyond it. What the ranks hold adds up to the whole.
   std::vector<double> histogram;
-  PhaseSeconds phases;
   double seconds = 0, setup_seconds = 0, output_seconds = 0; ///< on the clock
 };
 
@@ -26,24 +23,24 @@ struct Totals {
 template<class T, class V>
 void visit_totals(T& totals, V& visit) {
   visit("steps", totals.steps);
-  visit("iterations", totals.iterations);
-  visit("linear_iterations", totals.linear_iterations);
-  visit("velocity_iterations", totals.velocity_iterations);
+  visit("iterations", totals.counts.iterations);
+  visit("linear_iterations", totals.counts.linear_iterations);
+  visit("velocity_iterations", totals.counts.velocity_iterations);
   visit("iterations_max", totals.iterations_max);
   visit("contacts_max", totals.contacts_max);
-  visit("contacts", totals.contacts);
-  visit("contacts_if_even", totals.contacts_if_even);
+  visit("contacts", totals.counts.contacts);
+  visit("contacts_if_even", totals.counts.contacts_if_even);
   visit("intersections", totals.intersections);
   visit("strain_max", totals.strain_max);
   visit("face_strain_max", totals.face_strain_max);
   visit("strain_squares", totals.strain_squares);
   visit("strain_limit", totals.strain_limit);
   visit.added_up("strain_histogram", totals.histogram);
-  visit("velocity_seconds", totals.phases.velocity);
-  visit("projection_seconds", totals.phases.projection);
-  visit("contact_seconds", totals.phases.contact);
+  visit("velocity_seconds", totals.counts.velocity_seconds);
+  visit("projection_seconds", totals.counts.projection_seconds);
+  visit("contact_seconds", totals.counts.contact_seconds);
   visit("seconds", totals.seconds);
-  visit("cpu_seconds", totals.phases.cpu);
+  visit("cpu_seconds", totals.counts.cpu_seconds);
   visit("setup_seconds", totals.setup_seconds);
   visit("output_seconds", totals.output_seconds);
 }

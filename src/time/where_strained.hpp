@@ -1,6 +1,6 @@
 #pragma once
-#include "src/contact/obstacles.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/contact/obstacles.hpp"
 
 namespace taut {
 

@@ -1,26 +1,29 @@
 #include "src/time/xpbd.hpp"
 
+#include "src/time/integrator.hpp"
+
 namespace taut {
 
-Xpbd::Xpbd(const Cloth& cloth, const Pattern& pattern, const std::vector<std::unique_ptr<Force>>& forces,
-           const Pins& pins, const config::Inextensibility& options)
-    : cloth_(cloth), forces_(forces), pins_(pins), substeps_(options.xpbd.value_or(config::Xpbd{}).substeps),
-      compliance_(options.compliance.value_or(0.0)), sweeps_(cloth),
-      loads_(pattern, cloth.mesh.vertices.size()), impulse_(cloth.mesh.vertices.size()),
-      x_(cloth.mesh.vertices.size()), s_(cloth.mesh.edges.size()) {}
+Xpbd::Xpbd(const StepperParts& parts)
+    : cloth_(parts.cloth), forces_(parts.forces), pins_(parts.pins),
+      substeps_(parts.resolved.inextensibility.xpbd.value_or(config::Xpbd{}).substeps),
+      compliance_(parts.resolved.inextensibility.compliance.value_or(0.0)), sweeps_(parts.cloth),
+      loads_(parts.pattern, cloth_.mesh.vertices.size()), freedom_(cloth_.mesh.vertices.size()),
+      impulse_(cloth_.mesh.vertices.size()), x_(cloth_.mesh.vertices.size()), s_(cloth_.mesh.edges.size()) {}
 
-void Xpbd::advance(const State& start, double dt, Freedom& freedom, Candidate& candidate) {
+StepReport Xpbd::propose(const State& state, double dt, Candidate& candidate) {
   const double h = dt / substeps_;
-  now_ = start;
+  now_ = state;
   pin_impulse_.assign(cloth_.mesh.vertices.owned, Vec3::Zero());
   std::fill(now_.multipliers.force_density.begin(), now_.multipliers.force_density.end(), 0.0);
   for (int k = 0; k < substeps_; ++k) {
-    now_.time = start.time + k * h;
-    substep(h, freedom);
+    now_.time = state.time + k * h;
+    substep(h);
   }
   candidate.velocities.resize(x_.size());
   for (std::size_t i = 0; i < x_.size(); ++i)
-    candidate.velocities[i] = (now_.positions[i] - start.positions[i]) / dt;
+    candidate.velocities[i] = (now_.positions[i] - state.positions[i]) / dt;
+  set_positions({state, dt, state}, candidate);
   candidate.end_velocities = now_.velocities;
   candidate.reported.reaction = pin_impulse_;
   for (Vec3& r : candidate.reported.reaction) r /= dt;
@@ -30,43 +33,46 @@ void Xpbd::advance(const State& start, double dt, Freedom& freedom, Candidate& c
         now_.multipliers.force_density[e] / (substeps_ * (now_.positions[b] - now_.positions[a]).norm());
   }
   cloth_.mesh.edge_halo.update(candidate.multipliers.force_density);
+  StepReport report;
+  report.iterations = substeps_;
+  return report;
 }
 
 /// `now_.multipliers.force_density` gathers the tensions.
-void Xpbd::substep(double h, Freedom& freedom) {
+void Xpbd::substep(double h) {
   start_velocities_ = now_.velocities;
-  pins_.prescribe(now_, h, freedom, now_.velocities);
-  fall(h, freedom);
+  pins_.prescribe(now_, h, freedom_, now_.velocities);
+  fall(h);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) x_[i] = now_.positions[i] + h * now_.velocities[i];
   cloth_.mesh.vertex_halo.update(x_);
-  sweeps_.start(h, compliance_, freedom);
+  sweeps_.start(h, compliance_, freedom_);
   std::fill(s_.begin(), s_.end(), 0.0);
   sweeps_.gauss_seidel(x_, s_);
   for (std::size_t i = 0; i < x_.size(); ++i) now_.velocities[i] = (x_[i] - now_.positions[i]) / h;
   std::swap(now_.positions, x_);
-  note_reaction(h, freedom);
+  note_reaction(h);
   for (std::size_t e = 0; e < s_.size(); ++e) now_.multipliers.force_density[e] += s_[e] / (h * h);
 }
 
 /// v <- v + h f/m of the owned vertices, as far as they are free; h f into `impulse_`.
-void Xpbd::fall(double h, const Freedom& freedom) {
+void Xpbd::fall(double h) {
   loads_.start_explicit(h);
   for (const auto& force : forces_) force->add_to(loads_, now_);
   loads_.explicit_impulse(now_.velocities, impulse_);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     const double damping = cloth_.pieces[cloth_.piece_of(i)].material.damping.mass;
     impulse_[i] -= h * damping * cloth_.mass[i] * now_.velocities[i];
-    now_.velocities[i] += freedom.allowed(i, impulse_[i]) / cloth_.mass[i];
+    now_.velocities[i] += freedom_.allowed(i, impulse_[i]) / cloth_.mass[i];
   }
 }
 
 /// Where a vertex may not move, its pin makes up for what the momentum it gained owes to no other force.
-void Xpbd::note_reaction(double h, const Freedom& freedom) {
-  if (freedom.all_free()) return;
+void Xpbd::note_reaction(double h) {
+  if (freedom_.all_free()) return;
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
-    if (freedom.is_free(i)) continue;
+    if (freedom_.is_free(i)) continue;
     const Vec3 gained = cloth_.mass[i] * (now_.velocities[i] - start_velocities_[i]);
-    pin_impulse_[i] += freedom.denied(i, gained - impulse_[i] - h * pull_of_edges(i, h));
+    pin_impulse_[i] += freedom_.denied(i, gained - impulse_[i] - h * pull_of_edges(i, h));
   }
 }
 

@@ -1,9 +1,7 @@
 #pragma once
 #include "src/filters/edge_sweeps.hpp"
-#include "src/forces/force.hpp"
-#include "src/state/pins.hpp"
-
-#include <memory>
+#include "src/time/stepper.hpp"
+#include "src/time/stepper_parts.hpp"
 
 namespace taut {
 
@@ -16,31 +14,28 @@ namespace taut {
 /// No linear system is solved, no strain promised: it falls with the substeps, about as their square. Forces
 /// limit the substep as explicit ones do. The tension of an edge, and the force of a pin, is
 /// the mean over the substeps.
-class Xpbd {
+class Xpbd : public Stepper {
 public:
-  /// All references must outlive it. Collective.
-  Xpbd(const Cloth& cloth, const Pattern& pattern, const std::vector<std::unique_ptr<Force>>& forces,
-       const Pins& pins, const config::Inextensibility& options);
+  /// Collective.
+  explicit Xpbd(const StepperParts& parts);
 
-  /// A step over `dt` from `start`. `freedom` is that of its last substep. Collective over neighbours.
-  void advance(const State& start, double dt, Freedom& freedom, Candidate& candidate);
-
-  int substeps() const { return substeps_; }
+  StepReport propose(const State& state, double dt, Candidate& candidate) override;
 
 private:
-  void substep(double h, Freedom& freedom);
-  void fall(double h, const Freedom& freedom);
-  void note_reaction(double h, const Freedom& freedom);
+  void substep(double h);
+  void fall(double h);
+  void note_reaction(double h);
   Vec3 pull_of_edges(Local vertex, double h) const;
 
   const Cloth& cloth_;
-  const std::vector<std::unique_ptr<Force>>& forces_;
+  const Forces& forces_;
   const Pins& pins_;
   int substeps_;
   double compliance_;
   EdgeSweeps sweeps_;
   StepSystem loads_;
   State now_;
+  Freedom freedom_; ///< of the present substep
   std::vector<Vec3> impulse_, x_, start_velocities_, pin_impulse_;
   std::vector<double> s_;
 };

@@ -157,7 +157,7 @@ time: {end: 0.2, frame_rate: 5, max_step: 10 ms}
   run_to_the_end(simulation, recorder);
   int projections = 0, rejected = 0;
   for (const StepRecord& r : recorder.records) {
-    projections += r.iterations;
+    projections += r.counts.iterations;
     rejected += r.rejected;
   }
   EXPECT_EQ(rejected, 0);

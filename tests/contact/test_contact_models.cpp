@@ -242,7 +242,7 @@ double drop_without_intersection(const std::string& contact) {
   Global contacts = 0;
   for (const StepRecord& r : record.records) {
     strain = std::max(strain, r.strain.max);
-    contacts = std::max(contacts, r.contacts);
+    contacts = std::max(contacts, r.counts.contacts);
   }
   const Column& end = record.positions.back();
   for (Global i = 2; i < end.size(); i += 3) lowest = std::min(lowest, end[i]);

@@ -176,7 +176,7 @@ TEST(ContactProjection, HoldsStrainAndNeverIntersects) {
   Global contacts = 0;
   for (const StepRecord& r : record.records) {
     EXPECT_LE(r.strain.max, 0.01);
-    contacts = std::max(contacts, r.contacts);
+    contacts = std::max(contacts, r.counts.contacts);
   }
   EXPECT_GT(contacts, 100);
   // it has come down on the obstacles and not through them

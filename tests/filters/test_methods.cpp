@@ -63,7 +63,7 @@ Trip run(MPI_Comm comm, const Case& input) {
   public:
     void after_step(const State&, const StepRecord& r) override {
       strain = std::max(strain, r.strain.max);
-      iterations += r.iterations;
+      iterations += r.counts.iterations;
     }
     double strain = 0;
     Global iterations = 0;

@@ -137,7 +137,7 @@ TEST(SplineGrid, DoesNotDependOnThePartition) {
 namespace {
 
 /// The most iterations of the velocity solve in the first steps of a cloth held by two corners.
-int iterations(int side, double bending, double step, const std::string& partition) {
+Global iterations(int side, double bending, double step, const std::string& partition) {
   Simulation simulation(world,
                         case_of(fmt::format("cloth:\n"
                                             "  grid: {{size: [1, 1], vertices: [{0}, {0}]}}\n"
@@ -149,8 +149,8 @@ int iterations(int side, double bending, double step, const std::string& partiti
                                             side, bending, side - 1, 2 * step, 0.5 / step, step, partition)));
   Recorder recorder(simulation);
   run_to_the_end(simulation, recorder);
-  int most = 0;
-  for (const StepRecord& record : recorder.records) most = std::max(most, record.velocity_iterations);
+  Global most = 0;
+  for (const StepRecord& record : recorder.records) most = std::max(most, record.counts.velocity_iterations);
   return most;
 }
 

@@ -84,7 +84,7 @@ public:
   explicit Frames(const Simulation& simulation) : mesh_(simulation.cloth().mesh) {}
 
   void after_step(const State&, const StepRecord& record) override {
-    touched_ = touched_ || record.contacts > 0;
+    touched_ = touched_ || record.counts.contacts > 0;
   }
   void after_frame(const State& state, Global) override {
     positions.push_back(gather<Vec3>(mesh_.comm, mesh_.vertices, state.positions));

@@ -1,0 +1,95 @@
+#include "src/time/filter_chain.hpp"
+
+#include "partition/traffic.hpp"
+#include "src/config/methods.hpp"
+#include "src/constraints/edge_set.hpp"
+#include "src/filters/contact_projection.hpp"
+#include "src/filters/impulse_contact.hpp"
+#include "src/filters/make_filter.hpp"
+
+#include <algorithm>
+
+namespace taut {
+
+namespace {
+
+std::unique_ptr<VelocityFilter> make_contact_projection(const StepperParts& parts, const Case& input) {
+  return std::make_unique<ContactProjection<EdgeSet>>(
+      parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
+      ContactProjectionOptions{.limits = parts.resolved.inextensibility,
+                               .contact = input.contact.value_or(config::Contact{}),
+                               .gravity = input.gravity.norm(),
+                               .longest_step = input.time.max_step});
+}
+
+std::vector<std::unique_ptr<VelocityFilter>> make_filters(const StepperParts& parts, const Case& input) {
+  std::vector<std::unique_ptr<VelocityFilter>> filters;
+  if (input.contact_model() == config::ContactModel::constraint) {
+    filters.push_back(make_contact_projection(parts, input));
+    return filters;
+  }
+  if (auto filter = make_filter(parts.cloth, parts.pattern, parts.resolved.inextensibility))
+    filters.push_back(std::move(filter));
+  if (input.contact_model() == config::ContactModel::impulse)
+    filters.insert(config::contact_is_last(input) ? filters.end() : filters.begin(),
+                   std::make_unique<ImpulseContact>(parts.cloth, parts.obstacles, input));
+  return filters;
+}
+
+bool all_finite(MPI_Comm comm, std::span<const Vec3> field) {
+  return !any_of(comm, std::any_of(field.begin(), field.end(), [](const Vec3& v) { return !v.allFinite(); }));
+}
+
+} // namespace
+
+FilterChain::FilterChain(const StepperParts& parts, const Case& input)
+    : cloth_(parts.cloth), limits_(parts.resolved.inextensibility), holds_limit_(config::holds_limit(input)),
+      filters_(make_filters(parts, input)) {}
+
+void FilterChain::carry_tension(const State& state, Candidate& candidate) const {
+  const std::vector<double>& before = state.multipliers.force_density;
+  for (std::size_t e = 0; e < before.size(); ++e) candidate.multipliers.force_density[e] = carried(before[e]);
+}
+
+void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidate& candidate,
+                        StepReport& report) {
+  apply_filters(start, freedom, candidate, report);
+  set_positions(start, candidate);
+  if (config::is_filter(limits_.method)) add_pull(start.state, freedom, candidate);
+}
+
+void FilterChain::apply_filters(const StepStart& start, const Freedom& freedom, Candidate& candidate,
+                                StepReport& report) {
+  const PhaseScope phase(Phase::projection);
+  for (std::size_t k = 0; k < filters_.size() && report.failure.empty(); ++k) {
+    const FilterReport filtered = filters_[k]->apply(start.state, start.dt, freedom, candidate);
+    report += filtered;
+    report.too_costly = report.too_costly || filtered.too_costly;
+    // where contact has the last word and breaks the limit, the projection only does what it can
+    const bool has_last_word = k + 1 == filters_.size();
+    if (holds_limit_ || has_last_word || !all_finite(cloth_.mesh.comm, candidate.velocities))
+      report.failure = filtered.failure;
+  }
+}
+
+/// Prescribed velocities are kept by the prediction, which knows the tension carried into the step, and
+/// against what filters add to it: from what prescribing them took, to what it took at the end of the step.
+void FilterChain::add_pull(const State& state, const Freedom& freedom, Candidate& candidate) const {
+  if (freedom.all_free()) return;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    if (freedom.is_free(i)) continue;
+    Vec3 pull = Vec3::Zero();
+    for (const EdgeEnd& end : cloth_.mesh.star_of(i))
+      pull += (candidate.multipliers.force_density[end.edge] -
+               carried(state.multipliers.force_density[end.edge])) *
+              (candidate.positions[end.other] - candidate.positions[i]);
+    candidate.reported.reaction[i] -= freedom.denied(i, pull);
+  }
+}
+
+/// What the prediction carries of a force density of the step before.
+double FilterChain::carried(double force_density) const {
+  return limits_.carried_tension ? std::max(force_density, 0.0) : 0.0;
+}
+
+} // namespace taut
