@@ -10,6 +10,7 @@
 #include "src/constraints/edge_constraints.hpp"
 #include "src/filters/fast_projection.hpp"
 #include "src/linear/session.hpp"
+#include "src/time/implicit_euler.hpp"
 #include "src/time/simulation.hpp"
 
 #include <fmt/format.h>
@@ -42,7 +43,7 @@ public:
 
   struct Left {
     double residual; ///< |F| / |M g|
-    int iterations;
+    Global iterations;
     bool reached; ///< the limit
   };
 

@@ -215,7 +215,7 @@ TEST(ContactProjection, IsNotShakenByStepsThatAreSuddenlyShort) {
   Recorder after(shorter);
   run_to_the_end(shorter, after);
   ASSERT_EQ(after.records.size(), 2u);
-  EXPECT_GT(after.records.back().contacts, 100);
+  EXPECT_GT(after.records.back().counts.contacts, 100);
   EXPECT_NEAR(after.records.back().energies.kinetic / before.records.back().energies.kinetic, 1.0, 0.05);
 }
 

@@ -1,3 +1,4 @@
+#include "src/time/integrator.hpp"
 #include "tests/simulate.hpp"
 
 #include <fmt/format.h>
