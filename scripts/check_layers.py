@@ -17,7 +17,9 @@ layers = {
     "src/contact": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces"],
     "src/filters": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact"],
     "src/time": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters"],
-    "src/command": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters", "src/time"],
+    "src/output": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters", "src/time"],
+    "src/command": ["partition", "io", "src/config", "src/state", "src/linear", "src/forces", "src/contact", "src/filters", "src/time",
+                    "src/output"],
 }
 # Headers of a library belong to one layer.
 reserved = {"petsc": "src/linear", "metis": "partition", "ptscotch": "partition", "hdf5": "io", "yaml-cpp": "src/config", "embree": "src/contact", "CGAL": "src/contact"}

@@ -1,6 +1,6 @@
 // Contact in the time step: the quadratic program, friction, and what a run with contact promises.
 #include "src/linear/bounded_qp.hpp"
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 #include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 
@@ -215,7 +215,7 @@ TEST(ContactProjection, IsNotShakenByStepsThatAreSuddenlyShort) {
   Recorder after(shorter);
   run_to_the_end(shorter, after);
   ASSERT_EQ(after.records.size(), 2u);
-  EXPECT_GT(after.records.back().contacts, 100);
+  EXPECT_GT(after.records.back().counts.contacts, 100);
   EXPECT_NEAR(after.records.back().energies.kinetic / before.records.back().energies.kinetic, 1.0, 0.05);
 }
 

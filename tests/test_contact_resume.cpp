@@ -102,7 +102,7 @@ TEST(ContactResume, ForgetsWhatTheLastStepDidNotPress) {
   if (rank_of(world) == 0) c.state.multipliers.contacts[foreign].pressed.normal = 1;
   simulation.restore(std::move(c.state), c.step_size, c.rejected_steps);
   EXPECT_EQ(simulation.run({}, [&] { return simulation.state().step == 13; }).ending, Ending::interrupted);
-  EXPECT_FALSE(any_of(world, simulation.state().contacts.contains(foreign)));
+  EXPECT_FALSE(any_of(world, simulation.state().multipliers.contacts.contains(foreign)));
   write_checkpoint(folder / "b.h5", simulation.cloth().mesh, checkpoint_of(simulation));
   run_and_cut(text, all(), 13, folder / "unbroken.h5");
   EXPECT_EQ(contacts_in(folder / "b.h5"), contacts_in(folder / "unbroken.h5"));

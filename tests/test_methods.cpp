@@ -154,7 +154,7 @@ Hanging hang(const std::string& settings, double strain) {
   EXPECT_TRUE(outcome.completed()) << outcome.reason;
   const DistributedMesh& mesh = simulation.cloth().mesh;
   return {gather<Vec3>(world, mesh.vertices, simulation.state().positions),
-          gather<double>(world, mesh.edges, simulation.state().force_density) * 0.1, 0.2 * 0.1 * g};
+          gather<double>(world, mesh.edges, simulation.state().multipliers.force_density) * 0.1, 0.2 * 0.1 * g};
 }
 
 } // namespace
