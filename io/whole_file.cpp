@@ -56,6 +56,16 @@ void flush_name(const fs::path& path) {
   if (folder.get() >= 0) ::fsync(folder.get());
 }
 
+/// In `file`, for what is to be known as `path`.
+void claim(const fs::path& file, const fs::path& path, std::int64_t begin, std::int64_t end) {
+  if (begin >= end) return;
+  const Descriptor descriptor(file, O_WRONLY);
+  if (descriptor.get() < 0) refuse(path);
+  int error = EINTR;
+  while (error == EINTR) error = ::posix_fallocate(descriptor.get(), begin, end - begin);
+  if (error != 0) refuse(path, error);
+}
+
 } // namespace
 
 fs::path part_of(const fs::path& path) { return fs::path(path) += ".part"; }
@@ -67,12 +77,11 @@ void begin_part(const fs::path& path, std::string_view bytes) {
 }
 
 void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
-  if (begin >= end) return;
-  const Descriptor file(part_of(path), O_WRONLY);
-  if (file.get() < 0) refuse(path);
-  int error = EINTR;
-  while (error == EINTR) error = ::posix_fallocate(file.get(), begin, end - begin);
-  if (error != 0) refuse(path, error);
+  claim(part_of(path), path, begin, end);
+}
+
+void reserve_in_place(const fs::path& path, std::int64_t begin, std::int64_t end) {
+  claim(path, path, begin, end);
 }
 
 void publish(const fs::path& path, Outlives outlives) {

@@ -26,6 +26,9 @@ void begin_part(const std::filesystem::path& path, std::string_view bytes);
 /// none.
 void reserve(const std::filesystem::path& path, std::int64_t begin, std::int64_t end);
 
+/// The same in the file `path` itself, one that grows under its own name.
+void reserve_in_place(const std::filesystem::path& path, std::int64_t begin, std::int64_t end);
+
 /// Gives the complete file `part_of(path)` the name `path`. Not collective: rank 0 only. Throws `InputError`
 /// if the system refuses.
 void publish(const std::filesystem::path& path, Outlives outlives);

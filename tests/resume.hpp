@@ -1,6 +1,6 @@
 #pragma once
 // Runs on some of the ranks, cut at a step and gone on with on others.
-#include "src/time/checkpoint.hpp"
+#include "src/output/checkpoint.hpp"
 #include "tests/simulate.hpp"
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 #pragma once
 #include "src/config/case.hpp"
-#include "src/time/progress.hpp"
+#include "src/output/progress.hpp"
 #include "src/time/simulation.hpp"
 
 #include <mpi.h>

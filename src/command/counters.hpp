@@ -1,5 +1,5 @@
 #pragma once
-#include "src/time/totals.hpp"
+#include "src/output/totals.hpp"
 
 #include <string>
 

@@ -1,8 +1,11 @@
 #include "partition/yarns.hpp"
 #include "src/command/command.hpp"
 #include "src/config/cloths.hpp"
+#include "src/output/checkpoint.hpp"
+#include "src/output/frame_formats.hpp"
+#include "src/output/run_files.hpp"
+#include "src/output/xdmf_sink.hpp"
 #include "src/state/start.hpp"
-#include "src/time/checkpoint.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,13 +27,6 @@ Json read_summary(const fs::path& file) {
   } catch (const Json::exception& e) {
     throw InputError(fmt::format("{}: not the summary of a run: {}", file.string(), e.what()));
   }
-}
-
-Global count_frames(const fs::path& folder) {
-  Global frames = 0;
-  if (!fs::is_directory(folder)) return 0;
-  for (const auto& entry : fs::directory_iterator(folder)) frames += entry.path().extension() == ".h5";
-  return frames;
 }
 
 /// Of one cloth of several.
@@ -76,25 +72,27 @@ std::string describe_finished(const fs::path& folder, const Json& s) {
 
 std::string describe_run(const fs::path& folder) {
   std::string text;
-  if (fs::exists(folder / "summary.json")) {
-    const Json summary = read_summary(folder / "summary.json");
+  if (fs::exists(folder / run_files::summary)) {
+    const Json summary = read_summary(folder / run_files::summary);
     try {
       text = describe_finished(folder, summary);
     } catch (const Json::exception& e) {
       throw InputError(
-          fmt::format("{}: not the summary of a run: {}", (folder / "summary.json").string(), e.what()));
+          fmt::format("{}: not the summary of a run: {}", (folder / run_files::summary).string(), e.what()));
     }
-  } else if (fs::exists(folder / "frames.xdmf")) {
+  } else if (holds_frames(folder)) {
     text = fmt::format("{}: a run that is still going on, or was cut off: {} frames so far\n",
-                       folder.string(), count_frames(folder / "frames"));
+                       folder.string(), count_frames(folder));
   } else {
     throw InputError(fmt::format("{}: holds no run (no summary.json, no frames.xdmf)", folder.string()));
   }
   if (const auto checkpoints = checkpoints_in(folder); !checkpoints.empty())
     text += fmt::format("  resume      taut resume {}  (goes on after step {})\n", folder.string(),
                         step_of_checkpoint(checkpoints[0]));
-  return text + fmt::format("  look        paraview {0}  (edges with strain and tension: edges.xdmf)\n",
-                            fs::absolute(folder / "frames.xdmf").lexically_normal().string());
+  if (fs::exists(folder / XdmfSink::file))
+    text += fmt::format("  look        paraview {0}  (edges with strain and tension: edges.xdmf)\n",
+                        fs::absolute(folder / XdmfSink::file).lexically_normal().string());
+  return text;
 }
 
 std::string describe_case(MPI_Comm comm, const fs::path& file) {

@@ -3,7 +3,8 @@
 #include "src/command/simulate.hpp"
 #include "src/command/start_contact.hpp"
 #include "src/config/changes.hpp"
-#include "src/time/checkpoint.hpp"
+#include "src/output/checkpoint.hpp"
+#include "src/output/run_files.hpp"
 
 #include <fmt/format.h>
 
@@ -147,7 +148,7 @@ Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
 
 void check_folder(MPI_Comm comm, const fs::path& folder) {
   on_rank_0(comm, [&] {
-    if (!fs::is_regular_file(folder / "case.yaml"))
+    if (!fs::is_regular_file(folder / run_files::case_as_run))
       throw InputError(fmt::format("{}: holds no run (no case.yaml); start one with taut run CASE --out {}",
                                    folder.string(), folder.string()));
   });
@@ -159,18 +160,19 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   const double began = MPI_Wtime();
   const fs::path& out = options.folder;
   check_folder(comm, out);
-  const Case input = load_case(comm, {out / "case.yaml", options.overrides, options.has_petsc_options});
+  const Case input =
+      load_case(comm, {out / run_files::case_as_run, options.overrides, options.has_petsc_options});
   const std::vector<fs::path> checkpoints = candidates(comm, options);
   if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
   Simulation simulation(comm, input);
   Totals totals;
   if (!checkpoints.empty()) {
-    check_mesh(simulation.cloth(), out / "mesh.h5");
+    check_mesh(simulation.cloth(), out / run_files::mesh);
     totals = take_up(simulation, checkpoints);
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
-  if (checkpoints.empty() && !clear_start(simulation, input, out / "findings.vtp")) return step_failure;
+  if (checkpoints.empty() && !clear_start(simulation, input, out / run_files::findings)) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
   if (next_frame > simulation.step_size().frames()) {

@@ -1,7 +1,8 @@
 #include "src/command/run_folder.hpp"
 
-#include "src/time/checkpoint.hpp"
-#include "src/time/frame_writer.hpp"
+#include "src/output/checkpoint.hpp"
+#include "src/output/frame_formats.hpp"
+#include "src/output/run_files.hpp"
 
 #include <fmt/format.h>
 
@@ -13,16 +14,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array results{"mesh.h5",        "frames.xdmf", "edges.xdmf",
-                             "obstacles.xdmf", "steps.csv",   "summary.json"};
+constexpr std::array results{run_files::mesh, run_files::steps, run_files::summary};
 
 bool holds_run(const fs::path& out) {
   return std::any_of(results.begin(), results.end(),
                      [&](const char* file) { return fs::exists(out / file); }) ||
-         !checkpoints_in(out).empty();
+         holds_frames(out) || !checkpoints_in(out).empty();
 }
 
-bool is_frame(const fs::path& file) { return file.filename().string().starts_with("frame_"); }
 bool is_part(const fs::path& file) { return file.extension() == ".part"; }
 
 /// Removes the files of a folder for which `unwanted` holds.
@@ -38,8 +37,8 @@ void remove_files(const fs::path& folder, Unwanted&& unwanted) {
 /// Removes what a run wrote and nothing else.
 void remove_run(const fs::path& out) {
   for (const char* file : results) fs::remove(out / file);
-  fs::remove(out / "case.yaml");
-  remove_files(out / "frames", is_frame);
+  fs::remove(out / run_files::case_as_run);
+  drop_frames(out, 0);
   for (const fs::path& file : checkpoints_in(out)) fs::remove(file);
 }
 
@@ -80,27 +79,12 @@ void drop_after(MPI_Comm comm, const fs::path& out, Global step, Global next_fra
   on_disk(comm, out, "the folder must be writable to go on in it", [&] {
     fs::create_directories(out / "frames");
     fs::create_directories(out / "checkpoint");
-    fs::remove(out / "summary.json");
+    fs::remove(out / run_files::summary);
     remove_files(out, is_part);
-    const std::string first = fs::path(FrameWriter::file_of(next_frame)).filename().string();
-    remove_files(out / "frames",
-                 [&](const fs::path& f) { return is_frame(f) && f.filename().string() >= first; });
+    drop_frames(out, next_frame);
     remove_files(out / "checkpoint",
                  [&](const fs::path& f) { return is_part(f) || step_of_checkpoint(f) > step; });
   });
-}
-
-std::vector<XdmfFrame> frames_before(MPI_Comm comm, const fs::path& out, Global next_frame,
-                                     const StepSize& step_size) {
-  const std::string there = broadcast(comm, [&] {
-    std::string flags;
-    for (Global k = 0; k < next_frame; ++k) flags += fs::exists(out / FrameWriter::file_of(k)) ? '1' : '0';
-    return flags;
-  });
-  std::vector<XdmfFrame> frames;
-  for (Global k = 0; k < next_frame; ++k)
-    if (there[k] == '1') frames.push_back({step_size.frame_time(k), FrameWriter::file_of(k)});
-  return frames;
 }
 
 } // namespace taut::command

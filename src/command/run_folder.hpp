@@ -1,5 +1,4 @@
 #pragma once
-#include "io/xdmf.hpp"
 #include "src/command/command.hpp"
 
 /// The folder that holds a run. All collective; what cannot be done is an InputError.
@@ -12,9 +11,5 @@ void make_run_folder(MPI_Comm comm, const std::filesystem::path& out, const std:
 /// Removes what comes after the step of a checkpoint: frames from `next_frame` on, later checkpoints, the
 /// summary. What a run was writing when it was cut off goes too.
 void drop_after(MPI_Comm comm, const std::filesystem::path& out, Global step, Global next_frame);
-
-/// The frames before `next_frame` that are there.
-std::vector<XdmfFrame> frames_before(MPI_Comm comm, const std::filesystem::path& out, Global next_frame,
-                                     const StepSize& step_size);
 
 } // namespace taut::command

@@ -2,14 +2,17 @@
 
 #include "io/whole_file.hpp"
 #include "src/command/counters.hpp"
-#include "src/command/run_folder.hpp"
+#include "src/command/stop_signal.hpp"
 #include "src/config/methods.hpp"
-#include "src/time/checkpointer.hpp"
+#include "src/output/checkpointer.hpp"
+#include "src/output/frame_formats.hpp"
+#include "src/output/frame_writer.hpp"
+#include "src/output/run_files.hpp"
+#include "src/output/step_log.hpp"
 #include "src/time/make_forces.hpp"
-#include "src/time/step_log.hpp"
-#include "src/time/stop_signal.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -58,40 +61,38 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 } // namespace
 
-int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& course) {
-  const fs::path& out = course.out;
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
+  const fs::path& out = context.out;
   const StopSignal stop;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
   const std::string text = case_as_run(input);
-  write_text_whole(comm, out / "case.yaml", text);
-
-  auto earlier = state.step > 0 ? frames_before(comm, out, steps.frame_after(state.time), steps)
-                                : std::vector<XdmfFrame>{};
+  write_text_whole(comm, out / run_files::case_as_run, text);
   tell_of_holes(comm, input, simulation.obstacles());
-  FrameWriter frames(simulation.cloth(), simulation.obstacles(), input, out, std::move(earlier));
-  StepLog log(comm, out / "steps.csv", energy_names(simulation.forces()), input.pins.size(), state.step);
-  Progress progress(comm, course.progress, steps.frames(), input.time.end);
+
+  Written written;
+  FrameWriter frames(simulation.cloth(), simulation.obstacles(), steps, input, out, written);
+  StepLog log(comm, out / run_files::steps, energy_names(simulation.forces()), input.pins.size(), state.step);
+  Progress progress(comm, context.progress, steps.frames(), input.time.end);
   IntersectionCheck intersections(simulation.cloth(), simulation.obstacles(), input);
-  Summary summary(simulation, input, intersections, course.totals, course.began);
-  Checkpointer checkpoints(simulation, summary, frames, input.checkpoint, out, text);
+  Summary summary(simulation, input, intersections, context.totals, context.began);
+  Checkpointer checkpoints(simulation, summary, input.checkpoint, out, text, written);
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
   Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
 
-  frames.list_frames();
+  frames.flush();
   checkpoints.write();
   if (const Global found = summary.totals(0).intersections; outcome.completed() && found > 0)
     outcome = {
         Ending::failed,
         fmt::format("{} intersections were found in the result; the first: {}; those found then are in {}",
-                    found, intersections.first(), (out / "findings.vtp").string())};
-  if (intersections.count() > 0) write_text_whole(comm, out / "findings.vtp", intersections.findings());
-  write_text_whole(comm, out / "summary.json",
-                   summary.text(outcome, frames.frames(), checkpoints.output_seconds()));
-  if (!course.counters.empty())
-    write_text_whole(comm, course.counters,
+                    found, intersections.first(), (out / run_files::findings).string())};
+  if (intersections.count() > 0) write_text_whole(comm, out / run_files::findings, intersections.findings());
+  write_text_whole(comm, out / run_files::summary, summary.text(outcome, frames.frames(), written.seconds));
+  if (!context.counters.empty())
+    write_text_whole(comm, context.counters,
                      counters_text(comm, summary.totals(0), simulation.rejected_steps()));
   report_failure(comm, outcome, out);
   return exit_code(outcome.ending);
@@ -118,12 +119,14 @@ void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, co
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) != 0) return;
   warn_of_locking(simulation);
+  std::vector<std::string> files;
+  for (const char* file : files_of(input.output.formats)) files.push_back((out / file).string());
   fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "
              "imbalance {:.3f})\n"
              "writing {}\n",
              input.name, mesh.vertices.total, mesh.edges.total, simulation.pins().count(),
              simulation.step_size().frames(), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
-             (out / "frames.xdmf").string());
+             fmt::join(files, ", "));
   std::fflush(stdout);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "src/command/command.hpp"
-#include "src/time/totals.hpp"
+#include "src/output/totals.hpp"
 
 namespace taut::command {
 
@@ -14,7 +14,7 @@ struct RunContext {
 };
 
 /// From the present state of `simulation` to the end, with all files of a run; the exit code. Collective.
-int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& course);
+int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context);
 
 /// Says on standard output what is about to run. Rank 0 speaks.
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input,

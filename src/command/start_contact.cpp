@@ -1,6 +1,6 @@
 #include "src/command/start_contact.hpp"
 
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 #include "src/time/untangle.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@ namespace taut::command {
 namespace {
 
 /// What the rounds came to.
-std::string describe_run(const Untangled& u) {
+std::string describe(const Untangled& u) {
   return fmt::format("after {} rounds, in which no vertex went farther than {:.3g} m", u.rounds, u.farthest);
 }
 
@@ -32,12 +32,12 @@ bool untangle_start(Simulation& simulation, const Case& input, const std::filesy
           stderr,
           "taut: {}: contact.start: the start could not be untangled {}: {}; only shallow "
           "intersections can be: move `start` of the cloth or the obstacle, or repair the start shape\n",
-          input.file.string(), describe_run(untangled), what);
+          input.file.string(), describe(untangled), what);
     return false;
   }
   if (untangled.rounds == 0) return true;
   if (speaks)
-    fmt::print("{}: the start intersected, and was untangled {}\n", input.name, describe_run(untangled));
+    fmt::print("{}: the start intersected, and was untangled {}\n", input.name, describe(untangled));
   simulation.set_start(std::move(untangled.state));
   return true;
 }

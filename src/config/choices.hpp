@@ -32,6 +32,7 @@ enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
 enum class RestAngles { flat, mesh };
 enum class PartitionMethod { metis, ptscotch, stripes };
 enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact, yarn };
+enum class FrameFormat { xdmf, pc2 };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -63,5 +64,6 @@ constexpr std::array<std::string_view, 3> words_of(PartitionMethod) {
 constexpr std::array<std::string_view, 8> words_of(Field) {
   return {"position", "velocity", "owner_rank", "strain", "tension", "reaction", "contact", "yarn"};
 }
+constexpr std::array<std::string_view, 2> words_of(FrameFormat) { return {"xdmf", "pc2"}; }
 
 } // namespace taut::config

@@ -133,7 +133,9 @@ void describe(V& v, Is<Checkpoint> auto& c) {
 
 template<class V>
 void describe(V& v, Is<Output> auto& o) {
-  v("fields", o.fields, {.meaning = "what a frame holds"});
+  v("fields", o.fields, {.meaning = "what a frame holds, in formats that can hold it"});
+  v("formats", o.formats,
+    {.meaning = "what frames are written as: HDF5 with XDMF for ParaView, positions alone as a point cache"});
 }
 
 } // namespace taut::config

@@ -79,6 +79,7 @@ struct Checkpoint {
 struct Output {
   std::vector<Field> fields{Field::position, Field::velocity, Field::owner_rank, Field::strain,
                             Field::tension,  Field::reaction, Field::contact,    Field::yarn};
+  std::vector<FrameFormat> formats{FrameFormat::xdmf};
   bool operator==(const Output&) const = default;
 };
 

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """What a run writes is the same on any number of ranks."""
 import json
+import os
+import signal
+import struct
 import unittest
 
 import numpy as np
@@ -112,6 +115,67 @@ class Output(running.Folder):
 
     def test_fields_that_nobody_asks_for_are_left_out(self):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))
+
+
+def point_cache(path):
+    """The number of the first frame, and the positions of all frames (frames, vertices, 3)."""
+    data = path.read_bytes()
+    signature, version, vertices, start, per_frame, frames = struct.unpack_from("<12siiffi", data)
+    assert (signature, version, per_frame) == (b"POINTCACHE2\0", 1, 1.0)
+    return start, np.frombuffer(data, "<f4", 3 * vertices * frames, 32).reshape(frames, vertices, 3)
+
+
+class PointCache(running.Folder):
+    BOTH = ("--set", "output.formats=[xdmf, pc2]", "--set", "checkpoint.every_steps=10")
+
+    def assert_of(self, run, first=0):
+        """The point cache holds the positions of all frames of a run from `first` on."""
+        start, positions = point_cache(run / "frames.pc2")
+        self.assertEqual(start, first)
+        expected = [running.frame(run, file)["positions"] for file, _ in running.listed_frames(run)[first:]]
+        np.testing.assert_array_equal(positions, np.array(expected).astype("f4"))
+
+    def test_holds_the_positions_of_frames_on_any_ranks(self):
+        for ranks in (1, 3):
+            self.assert_of(self.run_case(f"on-{ranks}", *self.BOTH, ranks=ranks))
+
+    def test_goes_on_with_a_resumed_run(self):
+        for sent in (signal.SIGTERM, signal.SIGKILL):
+            run = self.folder / f"run-{sent}"
+            job = running.Job(self.folder, ("run", "case.yaml", "--out", run.name, *self.BOTH), 3)
+            self.assertTrue(job.wait_for(lambda: running.rows(run) >= 45))
+            for pid in job.ranks():
+                os.kill(pid, sent)
+            job.end()
+            self.assertGreater(len(point_cache(run / "frames.pc2")[1]), 3)
+            self.assertEqual(self.taut("resume", run.name, ranks=2)[0], 0)
+            self.assert_of(run)
+
+    def test_overwrites_frames_after_the_checkpoint(self):
+        run = self.run_case("run", *self.BOTH, "--set", "time.end=0.17")
+        for checkpoint, end in (("step_000000034.h5", 0.4), ("step_000000070.h5", 0.5)):
+            code, _, err = self.taut("resume", "run", "--checkpoint", f"run/checkpoint/{checkpoint}", "--set", f"time.end={end}")
+            self.assertEqual((code, err), (0, ""))
+            self.assert_of(run)
+
+    def test_alone_and_begun_later(self):
+        run = self.run_case("run", "--set", "time.end=0.1", "--set", "output.formats=[pc2]")
+        self.assertEqual(list((run / "frames").iterdir()), [])
+        self.assertEqual(len(point_cache(run / "frames.pc2")[1]), 3)
+        self.assertIn("3 frames", self.taut("info", "run")[1])
+        later = self.run_case("later", "--set", "time.end=0.1")
+        self.assertEqual(self.taut("resume", "later", "--set", "time.end=0.2", *self.BOTH)[0], 0)
+        self.assert_of(later, 3)
+
+    def test_refuses_a_file_with_a_gap_and_is_replaced_as_a_whole(self):
+        run = self.run_case("run", "--set", "time.end=0.1", *self.BOTH)
+        (run / "frames.pc2").write_bytes((run / "frames.pc2").read_bytes()[:-1])
+        code, _, err = self.taut("resume", "run", "--set", "time.end=0.2")
+        self.assertEqual(code, 2)
+        self.assertIn("run/frames.pc2: this is not the point cache of the run up to frame 3; put it back", err)
+        code, _, err = self.taut("run", "case.yaml", "--out", "run", "--overwrite", "--set", "time.end=0.1")
+        self.assertEqual((code, err), (0, ""))
+        self.assertFalse((run / "frames.pc2").exists())
 
 
 class Start(running.Folder):

@@ -1,7 +1,7 @@
 // Contact by impulses and by penalty springs, and what frames say of contact.
 #include "src/contact/gap_gauge.hpp"
 #include "src/contact/penalty_springs.hpp"
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 #include "tests/simulate.hpp"
 
 #include <fmt/format.h>

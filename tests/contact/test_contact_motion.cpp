@@ -1,6 +1,6 @@
 // Contact in the time step: the quadratic program, friction, and what a run with contact promises.
 #include "src/linear/bounded_qp.hpp"
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 #include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 

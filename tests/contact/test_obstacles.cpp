@@ -1,6 +1,6 @@
 // Obstacles that are made of others, or turn.
 #include "src/contact/union_mesh.hpp"
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 #include "tests/simulate.hpp"
 
 #include <Eigen/Geometry>

@@ -1,7 +1,7 @@
 #pragma once
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
+#include "src/output/totals.hpp"
 #include "src/time/simulation.hpp"
-#include "src/time/totals.hpp"
 
 namespace taut {
 

@@ -1,4 +1,4 @@
-#include "src/time/checkpoint.hpp"
+#include "src/output/checkpoint.hpp"
 
 #include "io/hdf5.hpp"
 

@@ -1,4 +1,4 @@
-#include "src/time/intersection_check.hpp"
+#include "src/output/intersection_check.hpp"
 
 #include "io/whole_file.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
+#include "src/output/totals.hpp"
 #include "src/time/simulation.hpp"
-#include "src/time/totals.hpp"
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "src/time/findings.hpp"
+#include "src/output/findings.hpp"
 #include "src/time/observer.hpp"
 
 #include <filesystem>

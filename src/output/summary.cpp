@@ -1,4 +1,4 @@
-#include "src/time/summary.hpp"
+#include "src/output/summary.hpp"
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"

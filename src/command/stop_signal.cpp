@@ -1,4 +1,4 @@
-#include "src/time/stop_signal.hpp"
+#include "src/command/stop_signal.hpp"
 
 #include "partition/comm.hpp"
 

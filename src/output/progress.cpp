@@ -1,4 +1,4 @@
-#include "src/time/progress.hpp"
+#include "src/output/progress.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "src/time/findings.hpp"
+#include "src/output/findings.hpp"
 
 #include "partition/comm.hpp"
 

@@ -1,4 +1,4 @@
-#include "src/time/obstacle_frames.hpp"
+#include "src/output/obstacle_frames.hpp"
 
 #include "io/hdf5.hpp"
 

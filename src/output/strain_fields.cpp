@@ -1,4 +1,4 @@
-#include "src/time/frame_fields.hpp"
+#include "src/output/strain_fields.hpp"
 
 #include "src/forces/stretch.hpp"
 #include "src/state/material_coordinates.hpp"
@@ -16,35 +16,23 @@ std::array<Local, 4> sides_of(const DistributedMesh& mesh, Local cell) {
   return sides;
 }
 
-namespace {
-
-WarpWeft room_for(std::size_t cells) {
-  WarpWeft result;
-  result.warp.reserve(cells);
-  result.weft.reserve(cells);
-  return result;
-}
-
-} // namespace
-
-WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values) {
-  const auto mean = [&](Local a, Local b) {
+std::vector<double> mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values,
+                                    Along direction) {
+  std::vector<double> means;
+  means.reserve(mesh.owned_cells.size());
+  for (const Local c : mesh.owned_cells) {
+    const auto sides = sides_of(mesh, c);
+    const int first = int(direction);
     double sum = 0;
     int count = 0;
-    for (const Local e : {a, b})
+    for (const Local e : {sides[first], sides[first + 2]})
       if (e >= 0) {
         sum += edge_values[e];
         ++count;
       }
-    return count > 0 ? sum / count : 0.0;
-  };
-  WarpWeft result = room_for(mesh.owned_cells.size());
-  for (const Local c : mesh.owned_cells) {
-    const auto s = sides_of(mesh, c);
-    result.warp.push_back(mean(s[0], s[2]));
-    result.weft.push_back(mean(s[1], s[3]));
+    means.push_back(count > 0 ? sum / count : 0.0);
   }
-  return result;
+  return means;
 }
 
 std::vector<double> strains_of_edges(const Cloth& cloth, const State& state) {
@@ -62,43 +50,43 @@ std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state) {
 
 namespace {
 
-/// Those of its sides; what else makes up tangents would take longer.
-std::array<double, 2> strains_of_quad(const DistributedMesh& mesh, Local cell,
-                                      std::span<const Vec3> positions) {
-  std::array<double, 2> strains{};
+/// That of its sides; what else makes up tangents would take longer.
+double strain_of_quad(const DistributedMesh& mesh, Local cell, std::span<const Vec3> positions,
+                      Along direction) {
+  double strain = 0;
   const auto& v = mesh.cells[cell].vertices;
   const int first = warp_side(mesh, cell);
   for (int k = 0; k < 4; ++k) {
+    if ((first + k) % 2 != int(direction)) continue;
     const Local a = v[k], b = v[(k + 1) % 4];
     const double rest = (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
-    strains[(first + k) % 2] += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
+    strain += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
   }
-  return strains;
+  return strain;
 }
 
 } // namespace
 
-WarpWeft strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions) {
-  WarpWeft result = room_for(cloth.mesh.owned_cells.size());
+std::vector<double> strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions, Along direction) {
+  std::vector<double> strains;
+  strains.reserve(cloth.mesh.owned_cells.size());
   std::vector<Tangent> tangents; // of one cell; those of all would outweigh the mesh
   for (const Local c : cloth.mesh.owned_cells) {
     if (cloth.mesh.cells[c].size() == 4) {
-      const auto [warp, weft] = strains_of_quad(cloth.mesh, c, positions);
-      result.warp.push_back(warp);
-      result.weft.push_back(weft);
+      strains.push_back(strain_of_quad(cloth.mesh, c, positions, direction));
       continue;
     }
     tangents.clear();
     append_tangents(cloth, c, tangents);
-    std::array<double, 2> sum{}, count{};
+    double sum = 0, count = 0;
     for (const Tangent& t : tangents) {
-      sum[t.direction] += tangent(t.stencil, positions).norm() - 1.0;
-      ++count[t.direction];
+      if (t.direction != int(direction)) continue;
+      sum += tangent(t.stencil, positions).norm() - 1.0;
+      ++count;
     }
-    result.warp.push_back(sum[0] / std::max(1.0, count[0]));
-    result.weft.push_back(sum[1] / std::max(1.0, count[1]));
+    strains.push_back(sum / std::max(1.0, count));
   }
-  return result;
+  return strains;
 }
 
 } // namespace taut

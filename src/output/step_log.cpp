@@ -1,4 +1,4 @@
-#include "src/time/step_log.hpp"
+#include "src/output/step_log.hpp"
 
 #include "io/whole_file.hpp"
 

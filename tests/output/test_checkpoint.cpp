@@ -1,6 +1,6 @@
 #include "io/hdf5.hpp"
-#include "src/time/step_log.hpp"
-#include "src/time/summary.hpp"
+#include "src/output/step_log.hpp"
+#include "src/output/summary.hpp"
 #include "tests/folder.hpp"
 #include "tests/petsc_options.hpp"
 #include "tests/resume.hpp"

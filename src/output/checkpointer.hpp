@@ -1,16 +1,17 @@
 #pragma once
-#include "src/time/checkpoint.hpp"
-#include "src/time/frame_writer.hpp"
-#include "src/time/summary.hpp"
+#include "src/output/checkpoint.hpp"
+#include "src/output/summary.hpp"
+#include "src/output/written.hpp"
 
 namespace taut {
 
 /// Writes the checkpoints of a run when the case says so; keeps the last two.
 class Checkpointer : public Observer {
 public:
-  /// All references must outlive it. `case_text` is the case as run.
-  Checkpointer(const Simulation& simulation, const Summary& summary, FrameWriter& frames,
-               config::Checkpoint when, std::filesystem::path run_folder, std::string case_text);
+  /// All references must outlive it. `case_text` is the case as run. What it writes is added to `written`;
+  /// the files there will outlive the machine before a checkpoint appears.
+  Checkpointer(const Simulation& simulation, const Summary& summary, config::Checkpoint when,
+               std::filesystem::path run_folder, std::string case_text, Written& written);
 
   void at_start(const State& state) override;
   void between_steps(const State& state) override;
@@ -18,23 +19,20 @@ public:
   /// Of the present state, between two steps, unless there is one. Collective.
   void write();
 
-  double output_seconds() const { return frames_.seconds() + seconds_; } ///< frames included
-
 private:
   bool is_due(const State& state) const;
-  void make_frames_lasting();
+  void make_files_lasting();
   void keep_last_two() const;
 
   const Simulation& simulation_;
   const Summary& summary_;
-  FrameWriter& frames_;
   config::Checkpoint when_;
   std::filesystem::path folder_;
   std::string case_text_;
+  Written& written_;
   double last_time_ = 0;  ///< s, simulated, of the last checkpoint or the start
   double last_clock_ = 0; ///< MPI_Wtime() then
-  Global written_ = -1;   ///< step of the last checkpoint of this program
-  double seconds_ = 0;
+  Global last_step_ = -1; ///< of the last checkpoint of this program
 };
 
 } // namespace taut

@@ -12,15 +12,14 @@ std::vector<double> tensions_of_edges(const Cloth& cloth, const State& state); /
 /// the first corner of a quad.
 std::array<Local, 4> sides_of(const DistributedMesh& mesh, Local cell);
 
-/// Of owned cells, along warp and along weft.
-struct WarpWeft {
-  std::vector<double> warp, weft;
-};
+/// A direction of the cloth.
+enum class Along { warp, weft };
 
-/// What a face shows of its edges: the means over the sides along warp and along weft.
-WarpWeft mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values);
+/// Of owned cells, what a face shows of its edges: the means over the sides along a direction.
+std::vector<double> mean_over_sides(const DistributedMesh& mesh, const std::vector<double>& edge_values,
+                                    Along direction);
 
-/// The strains of tangents |w| - 1, the means over those of a cell.
-WarpWeft strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions);
+/// Of owned cells, the strains of tangents |w| - 1, the means over those of a cell.
+std::vector<double> strains_of_cells(const Cloth& cloth, std::span<const Vec3> positions, Along direction);
 
 } // namespace taut

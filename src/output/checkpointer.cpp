@@ -1,9 +1,11 @@
-#include "src/time/checkpointer.hpp"
+#include "src/output/checkpointer.hpp"
 
 #include "io/whole_file.hpp"
 #include "partition/traffic.hpp"
+#include "src/output/run_files.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace taut {
 
@@ -14,10 +16,10 @@ double intervals(double time, double interval) { return std::floor(time / interv
 
 } // namespace
 
-Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, FrameWriter& frames,
-                           config::Checkpoint when, std::filesystem::path run_folder, std::string case_text)
-    : simulation_(simulation), summary_(summary), frames_(frames), when_(when),
-      folder_(std::move(run_folder)), case_text_(std::move(case_text)) {}
+Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, config::Checkpoint when,
+                           std::filesystem::path run_folder, std::string case_text, Written& written)
+    : simulation_(simulation), summary_(summary), when_(when), folder_(std::move(run_folder)),
+      case_text_(std::move(case_text)), written_(written) {}
 
 void Checkpointer::at_start(const State& state) {
   last_time_ = state.time;
@@ -40,25 +42,26 @@ bool Checkpointer::is_due(const State& state) const {
 
 void Checkpointer::write() {
   const State& state = simulation_.state();
-  if (written_ == state.step) return;
+  if (last_step_ == state.step) return;
   const PhaseScope phase(Phase::output);
   const double begin = MPI_Wtime();
   const StepSize::Memory steps = simulation_.step_size().memory();
-  const Totals totals = summary_.totals(output_seconds());
-  make_frames_lasting();
+  const Totals totals = summary_.totals(written_.seconds);
+  make_files_lasting();
   write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
                    {case_text_, state, steps, simulation_.rejected_steps(), totals});
   keep_last_two();
-  written_ = state.step;
+  last_step_ = state.step;
   last_time_ = state.time;
   last_clock_ = MPI_Wtime();
-  seconds_ += last_clock_ - begin;
+  written_.seconds += last_clock_ - begin;
 }
 
 /// What a run that goes on from this checkpoint does not write again.
-void Checkpointer::make_frames_lasting() {
-  std::vector<std::filesystem::path> files = frames_.take_written();
-  files.push_back(folder_ / "steps.csv");
+void Checkpointer::make_files_lasting() {
+  const auto frames = std::exchange(written_.files, {});
+  std::vector<std::filesystem::path> files(frames.begin(), frames.end());
+  files.push_back(folder_ / run_files::steps);
   make_lasting(simulation_.cloth().mesh.comm, files);
 }
 
