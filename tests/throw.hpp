@@ -1,7 +1,7 @@
 #pragma once
 // A cloth that a step is about to tear out of shape, for tests of filters.
-#include "src/filters/make_filter.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/filters/make_filter.hpp"
 #include "tests/support.hpp"
 
 #include <gtest/gtest.h>

@@ -157,8 +157,7 @@ private:
 
 void measure_yarns(const Simulation& simulation) {
   const Cloth& cloth = simulation.cloth();
-  auto constraints =
-      std::make_shared<EdgeConstraints>(cloth, simulation.inextensibility());
+  auto constraints = std::make_shared<EdgeConstraints>(cloth, simulation.inextensibility());
   constraints->start(0.005, Freedom(cloth.mesh.vertices.size()));
   constraints->evaluate(simulation.state().positions);
   auto system = std::make_shared<ProjectionSystem>(cloth.mesh, SolverOptions{});

@@ -96,20 +96,48 @@ Totals Summary::totals(double output_seconds) const {
   return totals;
 }
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json cloths_of(const Cloth& cloth, const Case& input) {
+  Json cloths = Json::array();
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
+    const Piece& piece = cloth.pieces[k];
+    cloths.push_back(
+        {{"name", config::name_of_cloth(input, k)}, {"vertices", piece.vertices}, {"faces", piece.cells}});
+  }
+  return cloths;
+}
+
+Json projection_of(const config::Inextensibility& limits, const Totals& all) {
+  const double steps = std::max(1.0, double(all.steps)), iterations = double(all.counts.iterations);
+  return {{"method", method_name(limits.method)},
+          {"compliance", config::is_projection(limits.method) ? Json(*limits.compliance) : Json()},
+          {"iterations_mean", iterations / steps},
+          {"iterations_max", all.iterations_max},
+          {"ksp_iterations_mean", iterations > 0 ? double(all.counts.linear_iterations) / iterations : 0.0}};
+}
+
+Json seconds_of(const Totals& all) {
+  return {{"total", all.seconds},
+          {"setup", all.setup_seconds},
+          {"velocity", all.counts.velocity_seconds},
+          {"projection", all.counts.projection_seconds},
+          {"contact", all.counts.contact_seconds},
+          {"cpu", all.counts.cpu_seconds},
+          {"output", all.output_seconds}};
+}
+
+} // namespace
+
 std::string Summary::text(const Outcome& outcome, Global frames, double output_seconds) const {
-  using Json = nlohmann::ordered_json;
   const DistributedMesh& mesh = simulation_.cloth().mesh;
   const Totals all = totals(output_seconds);
   const config::Inextensibility& limits = simulation_.inextensibility();
   const auto a_step = [&](double total) { return all.steps > 0 ? total / double(all.steps) : 0.0; };
   const double memory = peak_memory(), memory_max = max_over(mesh.comm, memory),
                memory_sum = sum_over(mesh.comm, memory);
-  Json cloths = Json::array();
-  for (std::size_t k = 0; k < simulation_.cloth().pieces.size(); ++k) {
-    const Piece& piece = simulation_.cloth().pieces[k];
-    cloths.push_back(
-        {{"name", config::name_of_cloth(input_, k)}, {"vertices", piece.vertices}, {"faces", piece.cells}});
-  }
   const Json json = {
       {"status", status_of(outcome.ending)},
       {"reason", outcome.reason},
@@ -119,7 +147,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
       {"vertices", mesh.vertices.total},
       {"faces", mesh.total_cells},
       {"constraints", mesh.edges.total},
-      {"cloths", std::move(cloths)},
+      {"cloths", cloths_of(simulation_.cloth(), input_)},
       {"frames", frames},
       {"steps", all.steps},
       {"rejected_steps", simulation_.rejected_steps()},
@@ -131,14 +159,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},
         {"faces_max", limits.constrain == config::Constrain::vertices ? Json(all.face_strain_max) : Json()},
         {"p999", quantile(mesh.comm, all, 0.999)}}},
-      {"projection",
-       {{"method", method_name(limits.method)},
-        {"compliance", config::is_projection(limits.method) ? Json(*limits.compliance) : Json()},
-        {"iterations_mean", a_step(double(all.counts.iterations))},
-        {"iterations_max", all.iterations_max},
-        {"ksp_iterations_mean", all.counts.iterations > 0
-                                    ? double(all.counts.linear_iterations) / double(all.counts.iterations)
-                                    : 0.0}}},
+      {"projection", projection_of(limits, all)},
       {"velocity", {{"ksp_iterations_mean", a_step(double(all.counts.velocity_iterations))}}},
       {"contact",
        {{"pairs_max", all.contacts_max},
@@ -149,14 +170,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
        {{"edge_cut", mesh.report.edge_cut},
         {"imbalance", mesh.report.imbalance},
         {"ghosts_max", mesh.report.ghosts_max}}},
-      {"seconds",
-       {{"total", all.seconds},
-        {"setup", all.setup_seconds},
-        {"velocity", all.counts.velocity_seconds},
-        {"projection", all.counts.projection_seconds},
-        {"contact", all.counts.contact_seconds},
-        {"cpu", all.counts.cpu_seconds},
-        {"output", all.output_seconds}}},
+      {"seconds", seconds_of(all)},
       {"memory_bytes", {{"max_rank", Global(memory_max)}, {"sum", Global(memory_sum)}}}};
   return json.dump(2) + "\n";
 }

@@ -154,7 +154,8 @@ class PointCache(running.Folder):
     def test_overwrites_frames_after_the_checkpoint(self):
         run = self.run_case("run", *self.BOTH, "--set", "time.end=0.17")
         for checkpoint, end in (("step_000000034.h5", 0.4), ("step_000000070.h5", 0.5)):
-            code, _, err = self.taut("resume", "run", "--checkpoint", f"run/checkpoint/{checkpoint}", "--set", f"time.end={end}")
+            code, _, err = self.taut("resume", "run", "--checkpoint", f"run/checkpoint/{checkpoint}",
+                                     "--set", f"time.end={end}")
             self.assertEqual((code, err), (0, ""))
             self.assert_of(run)
 
