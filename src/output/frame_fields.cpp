@@ -57,7 +57,7 @@ void add_yarns(const DistributedMesh& mesh, Fields& fields) {
   for (const auto& [name, direction] :
        {std::pair{"yarn_warp", Along::warp}, std::pair{"yarn_weft", Along::weft}})
     fields.push_back({name, std::string("/cells/") + name, cell, shared_mesh, "",
-                      [&mesh, direction](const State&) { return yarns_of_cells(mesh, direction); }});
+                      [&mesh, direction = direction](const State&) { return yarns_of_cells(mesh, direction); }});
 }
 
 void add_strain(const Cloth& cloth, Fields& fields) {
@@ -67,7 +67,7 @@ void add_strain(const Cloth& cloth, Fields& fields) {
        {std::pair{"strain_warp", Along::warp}, std::pair{"strain_weft", Along::weft}})
     fields.push_back(
         {name, std::string("/cells/") + name, cell, each_frame, "",
-         [&cloth, direction](const State& s) { return strains_of_cells(cloth, s.positions, direction); }});
+         [&cloth, direction = direction](const State& s) { return strains_of_cells(cloth, s.positions, direction); }});
 }
 
 void add_tension(const Cloth& cloth, Fields& fields) {
@@ -76,7 +76,7 @@ void add_tension(const Cloth& cloth, Fields& fields) {
   for (const auto& [name, direction] :
        {std::pair{"tension_warp", Along::warp}, std::pair{"tension_weft", Along::weft}})
     fields.push_back(
-        {name, std::string("/cells/") + name, cell, each_frame, "N", [&cloth, direction](const State& s) {
+        {name, std::string("/cells/") + name, cell, each_frame, "N", [&cloth, direction = direction](const State& s) {
            return mean_over_sides(cloth.mesh, tensions_of_edges(cloth, s), direction);
          }});
 }
