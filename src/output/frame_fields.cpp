@@ -56,8 +56,9 @@ void add_yarns(const DistributedMesh& mesh, Fields& fields) {
                     [&mesh](const State&) { return yarns_of_edges(mesh); }});
   for (const auto& [name, direction] :
        {std::pair{"yarn_warp", Along::warp}, std::pair{"yarn_weft", Along::weft}})
-    fields.push_back({name, std::string("/cells/") + name, cell, shared_mesh, "",
-                      [&mesh, direction = direction](const State&) { return yarns_of_cells(mesh, direction); }});
+    fields.push_back(
+        {name, std::string("/cells/") + name, cell, shared_mesh, "",
+         [&mesh, direction = direction](const State&) { return yarns_of_cells(mesh, direction); }});
 }
 
 void add_strain(const Cloth& cloth, Fields& fields) {
@@ -65,9 +66,10 @@ void add_strain(const Cloth& cloth, Fields& fields) {
                     [&cloth](const State& s) { return strains_of_edges(cloth, s); }});
   for (const auto& [name, direction] :
        {std::pair{"strain_warp", Along::warp}, std::pair{"strain_weft", Along::weft}})
-    fields.push_back(
-        {name, std::string("/cells/") + name, cell, each_frame, "",
-         [&cloth, direction = direction](const State& s) { return strains_of_cells(cloth, s.positions, direction); }});
+    fields.push_back({name, std::string("/cells/") + name, cell, each_frame, "",
+                      [&cloth, direction = direction](const State& s) {
+                        return strains_of_cells(cloth, s.positions, direction);
+                      }});
 }
 
 void add_tension(const Cloth& cloth, Fields& fields) {
@@ -75,10 +77,10 @@ void add_tension(const Cloth& cloth, Fields& fields) {
                     [&cloth](const State& s) { return tensions_of_edges(cloth, s); }});
   for (const auto& [name, direction] :
        {std::pair{"tension_warp", Along::warp}, std::pair{"tension_weft", Along::weft}})
-    fields.push_back(
-        {name, std::string("/cells/") + name, cell, each_frame, "N", [&cloth, direction = direction](const State& s) {
-           return mean_over_sides(cloth.mesh, tensions_of_edges(cloth, s), direction);
-         }});
+    fields.push_back({name, std::string("/cells/") + name, cell, each_frame, "N",
+                      [&cloth, direction = direction](const State& s) {
+                        return mean_over_sides(cloth.mesh, tensions_of_edges(cloth, s), direction);
+                      }});
 }
 
 } // namespace
