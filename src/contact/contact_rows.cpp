@@ -151,11 +151,11 @@ void ContactRows::add_friction_rows(Local k, int iteration) {
   const Contact& contact = contacts_[k];
   const ContactRecord& record = *records_[k];
   const ContactImpulse before = record.before ? record.before->scaled(dt_ * dt_) : ContactImpulse{};
-  double pressing = record.impulse.normal;
+  double normal_impulse = record.impulse.normal;
   if (iteration == 1) // a new contact is going to be pressed by what it takes to stop it
-    pressing =
+    normal_impulse =
         record.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
-  const double most = contact.friction * pressing;
+  const double most = contact.friction * normal_impulse;
   if (most <= 0) return;
   const Vec3 slip = slip_of(contact);
   const Vec3 rubbed = record.impulse.tangent;

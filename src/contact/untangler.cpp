@@ -50,9 +50,9 @@ std::optional<Untangler::Piercing> Untangler::pierce(Local from, Local to, const
   const auto x = elements_.positions();
   const auto& f = face.vertices;
   const Vec3 edge = x[to] - x[from], across = (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
-  const double closing = edge.dot(across);
-  if (closing == 0) return std::nullopt; // along the face, or no face
-  const double t = (x[f[0]] - x[from]).dot(across) / closing;
+  const double crossing = edge.dot(across);
+  if (crossing == 0) return std::nullopt; // along the face, or no face
+  const double t = (x[f[0]] - x[from]).dot(across) / crossing;
   if (!(t >= 0 && t <= 1)) return std::nullopt;
   const Vec3 place = x[from] + t * edge, b = barycentric(place, x[f[0]], x[f[1]], x[f[2]]);
   if (!(b.minCoeff() >= 0)) return std::nullopt;
