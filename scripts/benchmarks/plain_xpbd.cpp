@@ -46,14 +46,14 @@ public:
 
   double strain() const {
     double most = 0;
-    const auto look = [&](std::size_t a, std::size_t b) {
+    const auto measure = [&](std::size_t a, std::size_t b) {
       const double strain = std::abs((x_[b] - x_[a]).norm() / length_ - 1.0);
       most = strain <= most ? most : strain; // a NaN stays
     };
     for (int i = 0; i < side_; ++i)
       for (int j = 0; j < side_; ++j) {
-        if (j + 1 < side_) look(place(i, j), place(i, j + 1));
-        if (i + 1 < side_) look(place(i, j), place(i + 1, j));
+        if (j + 1 < side_) measure(place(i, j), place(i, j + 1));
+        if (i + 1 < side_) measure(place(i, j), place(i + 1, j));
       }
     return most;
   }

@@ -49,7 +49,7 @@ double SafeIterate::safe_fraction_to_target() {
   return -max_over(scene_.cloth().mesh.comm, -alpha);
 }
 
-void SafeIterate::advance(double fraction) {
+void SafeIterate::move(double fraction) {
   if (fraction == 1.0) {
     here_ = scene_.target;
     return;

@@ -31,7 +31,7 @@ public:
   double safe_fraction_to_target();
 
   /// Not collective.
-  void advance(double fraction);
+  void move(double fraction);
 
   /// m, of the vertex that is farthest from its target. Collective.
   double distance_behind() const;

@@ -131,7 +131,7 @@ bool ContactProjection<Set>::ends_after_moving(FilterReport& report) {
     if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
     fraction = safe_.safe_fraction_to_target();
   });
-  safe_.advance(fraction);
+  safe_.move(fraction);
   const double strain = set_.strain(safe_.cloth()), limit = options_.limits.strain;
   if (fraction == 1.0 && strain <= limit) return true;
   if (iteration_ == options_.contact.max_iterations) {

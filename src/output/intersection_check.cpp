@@ -26,7 +26,7 @@ IntersectionCheck::IntersectionCheck(const Cloth& cloth, const Obstacles& obstac
     : cloth_(cloth), when_(input.contact.value_or(config::Contact{}).check), obstacles_(obstacles) {}
 
 bool IntersectionCheck::finds_in(const State& state, const std::filesystem::path& file) {
-  look(state);
+  count_intersections(state);
   if (count_ == 0) return false;
   std::error_code ignored; // writing the file will tell
   if (rank_of(cloth_.mesh.comm) == 0 && file.has_parent_path())
@@ -45,14 +45,14 @@ void IntersectionCheck::refuse(const State& state, const std::filesystem::path& 
 }
 
 void IntersectionCheck::after_step(const State& state, const StepRecord&) {
-  if (when_ == config::CheckAt::step) look(state);
+  if (when_ == config::CheckAt::step) count_intersections(state);
 }
 
 void IntersectionCheck::after_frame(const State& state, Global) {
-  if (when_ == config::CheckAt::frame) look(state);
+  if (when_ == config::CheckAt::frame) count_intersections(state);
 }
 
-void IntersectionCheck::look(const State& state) {
+void IntersectionCheck::count_intersections(const State& state) {
   obstacles_.place(state.time, bodies_);
   if (!test_) test_.emplace(cloth_, obstacles_);
   const auto found = test_->find(state.positions, bodies_);

@@ -33,7 +33,7 @@ public:
   std::string findings() const { return findings_as_vtp(cloth_.mesh.comm, findings_); }
 
 private:
-  void look(const State& state);
+  void count_intersections(const State& state);
 
   const Cloth& cloth_;
   config::CheckAt when_;

@@ -62,14 +62,14 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   Intersections test(cloth, obstacles);
   const Freedom freedom = freedom_at_start(simulation, input.time.max_step);
   EdgeKeeper edges(simulation, input, freedom);
-  const auto look = [&] {
+  const auto measure = [&] {
     result.left = sum_over(cloth.mesh.comm, Global(test.find(x, bodies).size()));
     result.strain = simulation.gauge().measure(x).max;
     result.is_within_limit = !simulation.strain_limit() || result.strain <= *simulation.strain_limit();
   };
-  look();
+  measure();
   if (result.left == 0) return Untangled{.state = simulation.state()};
-  for (; !result.succeeded() && result.rounds < most_rounds; look()) {
+  for (; !result.succeeded() && result.rounds < most_rounds; measure()) {
     if (result.left > 0) {
       const std::vector<Vec3> moves = untangler.find(x, bodies);
       for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
