@@ -50,26 +50,28 @@ public:
 private:
   struct Level {
     SplineGrid<1, Mat3> grid;
-    std::vector<Mat3> smoother;          ///< w D^-1 of owned nodes
-    mutable std::vector<Vec3> b, x;      ///< over local nodes
-    mutable std::vector<Vec3> smoothed;  ///< over owned nodes
+    std::vector<Mat3> smoother;     ///< w D^-1 of owned nodes
+    mutable std::vector<Vec3> b, x; ///< over local nodes
+    mutable std::vector<Vec3> step; ///< over owned nodes
   };
 
   void make_matrices();
   void make_vertex_smoother();
+  static void make_smoother(Level& level);
   void factor_coarsest();
   void restrict_all(std::size_t grids, std::span<const Vec3> b) const;
   void solve_coarsest() const;
   void rise_from(std::size_t k, std::span<const Vec3> b, std::span<Vec3> x) const;
+  void smooth(const Level& level) const;
 
   const DistributedMesh& mesh_;
   const Pattern& pattern_;
   const FilteredOperator* matrix_ = nullptr;
   std::vector<std::unique_ptr<Level>> levels_;
-  std::vector<Mat3> smoother_;                   ///< w D^-1 of owned vertices
-  Eigen::LLT<Eigen::MatrixXd> coarsest_;         ///< the whole matrix, on every rank
-  mutable std::vector<double> coarsest_values_;  ///< of all its nodes
-  mutable std::vector<Vec3> product_;            ///< over owned vertices
+  std::vector<Mat3> smoother_;                  ///< w D^-1 of owned vertices
+  Eigen::LLT<Eigen::MatrixXd> coarsest_;        ///< the whole matrix, on every rank
+  mutable std::vector<double> coarsest_values_; ///< of all its nodes
+  mutable std::vector<Vec3> product_;           ///< over owned vertices
 };
 
 } // namespace taut
