@@ -10,7 +10,7 @@ namespace {
 
 constexpr int bits = 20; // of a key, for each axis; nodes further apart may share one, which does no harm
 constexpr Global mask = (Global(1) << bits) - 1;
-constexpr double on_a_node = 1e-7; // as near as places in single precision tell
+constexpr double on_a_node = 1e-10; // of a cell
 
 Global key_of(Global i, Global j, Global k) {
   return (i & mask) << (2 * bits) | (j & mask) << bits | (k & mask);
@@ -60,7 +60,7 @@ typename SplineBasis<degree>::Corner SplineBasis<degree>::corner_of(const Vec3& 
       whole = std::min(std::floor(s), double(last_[d]));
     }
     corner.first[d] = Global(whole);
-    corner.at[d] = float(s - whole);
+    corner.at[d] = typename Within::value_type(s - whole);
   }
   return corner;
 }

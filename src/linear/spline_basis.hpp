@@ -69,13 +69,16 @@ public:
   }
 
 private:
+  /// Within a cell, 0 to 1. In nested grids the weights of a coarse one are the products of those between
+  /// grids, but for the round-off in these places; elsewhere single precision will do.
+  using Within = std::array<std::conditional_t<degree == 1, double, float>, 3>;
   struct Corner {
     std::array<Global, 3> first; ///< the lowest node of the cell
-    std::array<float, 3> at;     ///< within the cell, 0 to 1
+    Within at;
   };
   struct Place {
     Local cell;
-    std::array<float, 3> at;
+    Within at;
   };
 
   /// Of the splines of a cell along one axis.
@@ -87,7 +90,7 @@ private:
   }
 
   template<int dimension>
-  static std::array<double, nodes_of_cell(dimension)> weights_at(const std::array<float, 3>& at) {
+  static std::array<double, nodes_of_cell(dimension)> weights_at(const Within& at) {
     std::array<double, nodes_of_cell(dimension)> result;
     if constexpr (dimension == 0)
       result = {1.0};

@@ -130,8 +130,8 @@ void VertexMultigrid::make_smoother(Level& level) {
   }
 }
 
-/// Nodes, and directions, that nothing depends on have zeros; the shift makes something of these, and as b is
-/// 0 there, so is the solution.
+/// Nodes and directions that nothing depends on have zeros: the shift makes something of these, and as b is 0
+/// there, so is the solution. It is small beside each row, as that of a node is small that little depends on.
 void VertexMultigrid::factor_coarsest() {
   const SplineGrid<1, Mat3>& grid = levels_.back()->grid;
   const Eigen::Index size = 3 * grid.total();
@@ -141,11 +141,10 @@ void VertexMultigrid::factor_coarsest() {
     for (const Local column : grid.rows().columns(row))
       whole.block<3, 3>(3 * grid.nodes().global(row), 3 * grid.nodes().global(column)) = *block++;
   sum_in_place(mesh_.comm, {whole.data(), std::size_t(whole.size())});
-  const Eigen::VectorXd diagonal = whole.diagonal().cwiseMax(0.0);
-  const double least = diagonal.maxCoeff() > 0 ? 1e-12 * diagonal.maxCoeff() : 1.0;
+  const Eigen::ArrayXd diagonal = whole.diagonal();
+  const Eigen::ArrayXd scale = (diagonal > 0).select(diagonal, 1.0);
   for (double shift = 1e-12;; shift *= 100) {
-    whole.diagonal() += shift * diagonal;
-    whole.diagonal().array() += least;
+    whole.diagonal().array() += shift * scale;
     coarsest_.compute(whole);
     if (coarsest_.info() == Eigen::Success) return;
   }
