@@ -39,12 +39,6 @@ void SplineGrid<degree, Value>::start(std::span<const char> held) {
 }
 
 template<int degree, class Value>
-void SplineGrid<degree, Value>::start(const Freedom& freedom) requires has_blocks {
-  start(freedom.held());
-  freedom_ = &freedom;
-}
-
-template<int degree, class Value>
 template<class Entry>
 void SplineGrid<degree, Value>::add(const SparseRows& rows, std::span<const Entry> values) {
   cells_.in_dimension([&](auto dimension) {

@@ -25,7 +25,10 @@ public:
   /// the grid is used. Not collective.
   void start(std::span<const char> held = {});
   /// The same, where points move as `freedom` lets them.
-  void start(const Freedom& freedom) requires has_blocks;
+  void start(const Freedom& freedom) requires has_blocks {
+    start(freedom.held());
+    freedom_ = &freedom;
+  }
 
   /// Adds what the rows of owned points give; couplings must be among those of the constructor's rows. For a
   /// grid of blocks a number stands for as many times the identity. Not collective.
