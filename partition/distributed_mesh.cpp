@@ -231,6 +231,15 @@ void give_back_memory() {
 
 } // namespace
 
+double mean_edge(const DistributedMesh& mesh) {
+  double sum = 0;
+  for (Local e = 0; e < mesh.edges.owned; ++e) {
+    const auto& [a, b] = mesh.edge_vertices[e];
+    sum += (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
+  }
+  return sum_over(mesh.comm, sum) / double(mesh.edges.total);
+}
+
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                            const std::vector<int>& owners) {
   DistributedMesh distributed = Builder(comm, mesh, owners).build(send_parts(comm, mesh, topology, owners));

@@ -87,6 +87,9 @@ inline Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
   return -1;
 }
 
+/// Of constrained edges at rest, m. Collective.
+double mean_edge(const DistributedMesh& mesh);
+
 /// Sends every rank its part. Who needs no hinges may leave them out of `topology`. `owners` are those of the
 /// slab's vertices, as `partition` gives them. Collective.
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,

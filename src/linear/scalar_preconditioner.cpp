@@ -2,20 +2,6 @@
 
 namespace taut {
 
-namespace {
-
-/// m. Collective.
-double mean_edge(const DistributedMesh& mesh) {
-  double sum = 0;
-  for (Local e = 0; e < mesh.edges.owned; ++e) {
-    const auto& [a, b] = mesh.edge_vertices[e];
-    sum += (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
-  }
-  return sum_over(mesh.comm, sum) / double(mesh.edges.total);
-}
-
-} // namespace
-
 ScalarPreconditioner::ScalarPreconditioner(const DistributedMesh& mesh, const Pattern& pattern)
     : mesh_(mesh), pattern_(pattern), values_(pattern.entries()), held_(mesh.vertices.size()),
       fine_(pattern.sparse_rows()) {}
@@ -31,7 +17,9 @@ void ScalarPreconditioner::factor(const VertexMatrix& matrix, const Freedom& fre
   std::span<const double> values = values_;
   std::span<const char> held = held_;
   for (const auto& level : grids_) {
-    level->grid.set(rows, values, held);
+    level->grid.start(held);
+    level->grid.add(rows, values);
+    level->grid.finish();
     rows = level->grid.rows();
     values = level->grid.values();
     held = {};
@@ -65,7 +53,7 @@ void ScalarPreconditioner::make_grids() {
   std::span<const Vec3> points = mesh_.rest_positions;
   for (Global total = mesh_.vertices.total; total > few_points; total = grids_.back()->grid.total()) {
     spacing *= ratio;
-    SplineGrid grid(mesh_.comm, rows, points, spacing);
+    SplineGrid<2, double> grid(mesh_.comm, rows, points, spacing);
     if (2 * grid.total() > total) return;
     IncompleteCholesky factor(grid.rows());
     const std::vector<Vec3> field(grid.points().size());

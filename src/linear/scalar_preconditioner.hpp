@@ -31,7 +31,7 @@ public:
 
 private:
   struct Coarse {
-    SplineGrid grid;
+    SplineGrid<2, double> grid;
     IncompleteCholesky factor;
     mutable std::vector<Vec3> b, x; // over local nodes
   };

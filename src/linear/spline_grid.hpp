@@ -1,25 +1,48 @@
 #pragma once
-#include "partition/index_map.hpp"
-#include "src/linear/sparse_rows.hpp"
-#include "src/linear/spline_basis.hpp"
+#include "src/linear/spline_nodes.hpp"
+#include "src/state/freedom.hpp"
 
-#include <unordered_map>
+#include <concepts>
+#include <tuple>
 
 namespace taut {
 
-/// A coarse grid for a scalar matrix S between points: functions are coarse if they are sums of the splines
-/// of a SplineBasis, u = P c, and their matrix is P^T S P. The grid lies in space and depends neither on the
-/// partition nor on the mesh. The fewer nodes there are, the fewer ranks own them.
-class SplineGrid {
+/// A coarse grid for a matrix A between points, of numbers (double), or of 3 x 3 blocks (Mat3): functions are
+/// coarse if they are sums of the splines of a SplineBasis, u = P c, and their matrix is P^T A P. Points that
+/// are held are left out. Where there are blocks, a point that may move in some directions is projected onto
+/// them: the matrix is P^T S A S P, and what is said of P below holds of S P.
+///
+/// The matrix is filled by `start`, any number of `add...`, and `finish`.
+template<int degree, class Value>
+class SplineGrid : public SplineNodes<degree> {
 public:
-  /// For a matrix with these rows between `points` (m, local, the owned ones first), with nodes `spacing` m
-  /// apart. Collective.
+  static constexpr bool has_blocks = std::same_as<Value, Mat3>;
+
+  /// As SplineNodes.
   SplineGrid(MPI_Comm comm, const SparseRows& rows, std::span<const Vec3> points, double spacing);
 
-  /// Makes P^T S P from the values of S in the order of its rows, which are the ones given before, without
-  /// the points that are `held` (not 0; empty: none). Both `rows` and `held` must live as long as the grid is
-  /// used. Collective over neighbours.
-  void set(const SparseRows& rows, std::span<const double> values, std::span<const char> held);
+  /// Zeros, where the points are left out that are `held` (not 0; empty: none), which must live as long as
+  /// the grid is used. Not collective.
+  void start(std::span<const char> held = {});
+  /// The same, where points move as `freedom` lets them.
+  void start(const Freedom& freedom) requires has_blocks {
+    start(freedom.held());
+    freedom_ = &freedom;
+  }
+
+  /// Adds what the rows of owned points give; couplings must be among those of the constructor's rows. For a
+  /// grid of blocks a number stands for as many times the identity. Not collective.
+  template<class Entry>
+  void add(const SparseRows& rows, std::span<const Entry> values);
+
+  /// Adds g g^T for the gradient g over some vertices, of which each is coupled to all others. Every rank
+  /// that owns one of them adds it; only rows of its own points come from it. Not collective.
+  template<std::size_t n>
+  void add_rank_one(const std::array<Local, n>& vertices,
+                    const std::array<Vec3, n>& gradient) requires has_blocks;
+
+  /// Sums what ranks have added. Collective over neighbours.
+  void finish();
 
   /// coarse = P^T fine: from owned points to owned nodes; `coarse` is over local nodes. Collective over
   /// neighbours.
@@ -29,63 +52,49 @@ public:
   /// neighbours.
   void add_spread(std::vector<Vec3>& coarse, std::span<Vec3> fine) const;
 
-  Global total() const { return nodes_.total; } ///< nodes over all ranks
-  const IndexMap& nodes() const { return nodes_; }
-  const std::vector<Vec3>& points() const { return points_; } ///< of local nodes, m
-  SparseRows rows() const { return {std::span(offsets_).first(std::size_t(nodes_.owned) + 1), columns_}; }
-  std::span<const double> values() const { return values_; } ///< of P^T S P, in the order of the rows
+  std::span<const Value> values() const { return values_; } ///< of P^T A P, in the order of the rows
 
 private:
-  using Coupling = std::pair<Global, Global>; ///< keys of a row's and a column's node
+  using Nodes = SplineNodes<degree>;
+  using Nodes::cells_, Nodes::per_cell_, Nodes::offsets_, Nodes::columns_, Nodes::to_owners_, Nodes::nodes_,
+      Nodes::halo_, Nodes::near_offsets_, Nodes::nodes_of, Nodes::near, Nodes::reach, Nodes::points_in,
+      Nodes::own_points, Nodes::places_near;
 
-  void sort_points(const SparseRows& rows);
-  void find_near_cells(const SparseRows& rows);
-  std::vector<Coupling> couplings() const;
-  void number_nodes(MPI_Comm comm, std::vector<Coupling>& own);
-  void find_reach();
-  void make_rows(MPI_Comm comm, const std::vector<Coupling>& own);
-  bool is_held(Local point) const { return !held_.empty() && held_[point]; }
+  /// The part of a gradient, seen from the nodes of one cell.
   template<int dimension>
-  void add_cell(const SparseRows& rows, std::span<const double> values, Local cell);
-  std::span<const Local> nodes_of(Local cell) const {
-    return std::span(cell_nodes_).subspan(std::size_t(cell) * per_cell_, per_cell_);
-  }
-  std::span<const Local> near(Local cell) const {
-    return std::span(near_).subspan(std::size_t(near_offsets_[cell]),
-                                    std::size_t(near_offsets_[cell + 1] - near_offsets_[cell]));
-  }
-  std::span<const Local> reach(Local cell) const {
-    return std::span(reach_).subspan(std::size_t(reach_offsets_[cell]),
-                                     std::size_t(reach_offsets_[cell + 1] - reach_offsets_[cell]));
-  }
-  std::span<const Local> points_in(Local cell) const {
-    return std::span(cell_points_)
-        .subspan(std::size_t(cell_offsets_[cell]),
-                 std::size_t(cell_offsets_[cell + 1] - cell_offsets_[cell]));
-  }
+  struct CellPart {
+    Local cell;
+    bool has_own;
+    std::array<Vec3, SplineBasis<degree>::nodes_of_cell(dimension)> all,
+        own; ///< of all points, of owned ones
+  };
 
-  SplineBasis cells_;
-  std::size_t per_cell_; ///< nodes
-  std::span<const char> held_;
+  bool is_out(Local point) const { return !held_.empty() && held_[point]; }
+  template<int dimension, class Entry>
+  void add_cell(const SparseRows& rows, std::span<const Entry> values, Local cell);
+  template<int dimension, class Entry>
+  void add_sliding(const SparseRows& rows, std::span<const Entry> values);
+  template<int dimension, std::size_t n>
+  void add_gradient(const std::array<Local, n>& vertices, const std::array<Vec3, n>& gradient);
+  template<int dimension>
+  void add_block(Local row_point, Local column_point, const Mat3& block);
+  const std::int32_t* slots_between(Local cell, Local other) const;
+  void find_slots();
 
-  // Owned points by cell, and of each cell those with couplings to its points, itself included.
-  std::vector<std::int64_t> cell_offsets_, near_offsets_{0}, reach_offsets_{0};
-  std::vector<Local> cell_points_, near_;
-  std::vector<Local> reach_;              ///< all nodes of the cells near a cell, ascending
-  std::vector<std::uint8_t> near_places_; ///< of the nodes of each cell near it, in its reach
+  std::span<const char> held_; ///< not 0 for sliding points either
+  const Freedom* freedom_ = nullptr;
+  std::vector<Value> values_;
+  std::vector<std::int32_t> near_slots_; ///< of all pairs of nodes of a cell and of each near it; for blocks
 
-  IndexMap nodes_;                          ///< their keys are the original numbers
-  std::unordered_map<Global, Local> local_; ///< by key; for set-up
-  Halo halo_;
-  std::vector<Vec3> points_;
-  std::vector<Local> cell_nodes_;
-
-  // Rows of all local nodes; of ghosts, what this rank adds to their owners' rows.
-  std::vector<std::int64_t> offsets_;
-  std::vector<Local> columns_;
-  std::vector<double> values_;
-  Plan to_owners_;
-  std::vector<double> block_, row_; ///< room for one cell
+  // Room for one cell.
+  template<class Entry>
+  struct Room {
+    std::vector<Entry> block, row;
+  };
+  std::tuple<Room<double>, Room<Mat3>> room_;
 };
+
+extern template class SplineGrid<2, double>;
+extern template class SplineGrid<1, Mat3>;
 
 } // namespace taut

@@ -25,7 +25,9 @@ struct Bench {
     for (Local row = 0; row < pattern.rows(); ++row)
       for (const Local column : pattern.columns(row))
         values.push_back(entry(original[row], original[column]));
-    grid.set(pattern.sparse_rows(), values, held);
+    grid.start(held);
+    grid.add(pattern.sparse_rows(), std::span<const double>(values));
+    grid.finish();
   }
 
   /// S without the rows and columns of held vertices, P and P^T S P.
@@ -86,7 +88,7 @@ struct Bench {
 
   DistributedMesh mesh;
   Pattern pattern;
-  SplineGrid grid;
+  SplineGrid<2, double> grid;
   std::vector<double> values;
   std::vector<char> held;
 };

@@ -1,5 +1,6 @@
+#include "src/linear/spline_nodes.hpp"
+
 #include "partition/sort_unique.hpp"
-#include "src/linear/spline_grid.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -46,8 +47,10 @@ std::vector<int> owners_of(MPI_Comm comm, std::span<const Global> keys, std::spa
 
 } // namespace
 
-SplineGrid::SplineGrid(MPI_Comm comm, const SparseRows& rows, std::span<const Vec3> points, double spacing)
-    : cells_(comm, points, spacing), per_cell_(SplineBasis::nodes_of_cell(cells_.dimension())) {
+template<int degree>
+SplineNodes<degree>::SplineNodes(MPI_Comm comm, const SparseRows& rows, std::span<const Vec3> points,
+                                 double spacing)
+    : cells_(comm, points, spacing), per_cell_(SplineBasis<degree>::nodes_of_cell(cells_.dimension())) {
   sort_points(rows);
   find_near_cells(rows);
   std::vector<Coupling> own = couplings();
@@ -56,7 +59,8 @@ SplineGrid::SplineGrid(MPI_Comm comm, const SparseRows& rows, std::span<const Ve
   make_rows(comm, own);
 }
 
-void SplineGrid::sort_points(const SparseRows& rows) {
+template<int degree>
+void SplineNodes<degree>::sort_points(const SparseRows& rows) {
   cell_offsets_.assign(std::size_t(cells_.size()) + 1, 0);
   for (Local i = 0; i < rows.size(); ++i) ++cell_offsets_[cells_.cell_of(i) + 1];
   std::partial_sum(cell_offsets_.begin(), cell_offsets_.end(), cell_offsets_.begin());
@@ -65,7 +69,8 @@ void SplineGrid::sort_points(const SparseRows& rows) {
   for (Local i = 0; i < rows.size(); ++i) cell_points_[next[cells_.cell_of(i)]++] = i;
 }
 
-void SplineGrid::find_near_cells(const SparseRows& rows) {
+template<int degree>
+void SplineNodes<degree>::find_near_cells(const SparseRows& rows) {
   for (Local cell = 0; cell < cells_.size(); ++cell) {
     const auto begin = std::ptrdiff_t(near_.size());
     for (const Local i : points_in(cell))
@@ -78,7 +83,8 @@ void SplineGrid::find_near_cells(const SparseRows& rows) {
 
 /// All that this rank adds to. Neighbouring cells name the same ones again and again, five times on a flat
 /// sheet: what is there already goes before the list has doubled.
-std::vector<SplineGrid::Coupling> SplineGrid::couplings() const {
+template<int degree>
+std::vector<typename SplineNodes<degree>::Coupling> SplineNodes<degree>::couplings() const {
   std::vector<Coupling> result;
   std::size_t distinct = 0;
   std::vector<Global> reached;
@@ -102,7 +108,8 @@ std::vector<SplineGrid::Coupling> SplineGrid::couplings() const {
 /// Owned nodes, then ghosts by owner, each by key. The ghosts are all columns of owned rows, and what the
 /// cells of local points have; `own` couplings, told to the rows' owners, come back with those of others to
 /// owned rows.
-void SplineGrid::number_nodes(MPI_Comm comm, std::vector<Coupling>& own) {
+template<int degree>
+void SplineNodes<degree>::number_nodes(MPI_Comm comm, std::vector<Coupling>& own) {
   std::vector<Global> keys;
   for (Local cell = 0; cell < cells_.size(); ++cell)
     for (const Global key : cells_.node_keys(cell)) keys.push_back(key);
@@ -155,7 +162,8 @@ void SplineGrid::number_nodes(MPI_Comm comm, std::vector<Coupling>& own) {
   }
 }
 
-void SplineGrid::find_reach() {
+template<int degree>
+void SplineNodes<degree>::find_reach() {
   for (Local cell = 0; cell < cells_.size(); ++cell)
     for (const Global key : cells_.node_keys(cell)) cell_nodes_.push_back(local_.at(key));
   std::vector<Local> reached;
@@ -173,7 +181,8 @@ void SplineGrid::find_reach() {
   }
 }
 
-void SplineGrid::make_rows(MPI_Comm comm, const std::vector<Coupling>& own) {
+template<int degree>
+void SplineNodes<degree>::make_rows(MPI_Comm comm, const std::vector<Coupling>& own) {
   std::vector<std::pair<Local, Local>> entries;
   for (const auto& [row, column] : own) entries.emplace_back(local_.at(row), local_.at(column));
   std::sort(entries.begin(), entries.end());
@@ -183,7 +192,6 @@ void SplineGrid::make_rows(MPI_Comm comm, const std::vector<Coupling>& own) {
     columns_.push_back(column);
   }
   std::partial_sum(offsets_.begin(), offsets_.end(), offsets_.begin());
-  values_.resize(columns_.size());
 
   std::vector<Coupling> sent; // the entries of ghosts' rows, and where they are
   std::vector<int> to;
@@ -203,5 +211,8 @@ void SplineGrid::make_rows(MPI_Comm comm, const std::vector<Coupling>& own) {
   to_owners_ = Plan(comm, to, from, std::move(into));
   local_ = {};
 }
+
+template class SplineNodes<1>;
+template class SplineNodes<2>;
 
 } // namespace taut
