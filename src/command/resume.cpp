@@ -154,6 +154,12 @@ void check_folder(MPI_Comm comm, const fs::path& folder) {
   });
 }
 
+/// Whether the folder has all that a run writes when it has ended: the summary is the last of it. Collective.
+bool has_ended(MPI_Comm comm, const fs::path& folder) {
+  std::error_code ignored;
+  return any_of(comm, rank_of(comm) == 0 && fs::exists(folder / run_files::summary, ignored));
+}
+
 } // namespace
 
 int resume(MPI_Comm comm, const ResumeOptions& options) {
@@ -175,7 +181,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   if (checkpoints.empty() && !clear_start(simulation, input, out / run_files::findings)) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
-  if (next_frame > simulation.step_size().frames()) {
+  if (next_frame > simulation.step_size().frames() && has_ended(comm, out)) {
     if (rank_of(comm) == 0)
       fmt::print("{}: the run is complete: it has reached its end at {:g} s; go on further with --set "
                  "time.end=...\n",

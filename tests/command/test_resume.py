@@ -77,6 +77,14 @@ class Resume(Folder):
         self.assertIn("changed: time.end: 0.5 -> 0.6\n", out)
         self.assert_same_run(run, longer)
 
+    def test_a_run_killed_behind_its_last_checkpoint_is_completed(self):
+        whole, run = self.run_case("whole"), self.run_case("run")
+        for file in ("summary.json", "frames.xdmf", "edges.xdmf"):  # which come after it
+            (run / file).unlink()
+        self.assertEqual(self.taut("resume", "run")[0], 0)
+        self.assert_same_run(run, whole)
+        self.assertTrue((run / "summary.json").exists())
+
     def test_an_end_between_frames_is_no_frame_of_the_longer_run(self):
         run = self.run_case("run", "--set", "time.end=0.07")
         self.assertEqual([t for _, t in listed_frames(run)], [0, 0.05, 0.07])
