@@ -96,6 +96,16 @@ void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<c
   MPI_Type_free(&item);
 }
 
+std::vector<std::byte> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine) {
+  const int count = int(mine.size());
+  std::vector<int> counts(size_of(comm)), offsets(counts.size(), 0);
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  for (std::size_t r = 1; r < counts.size(); ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<std::byte> all(std::size_t(offsets.back()) + std::size_t(counts.back()));
+  MPI_Allgatherv(mine.data(), count, MPI_BYTE, all.data(), counts.data(), offsets.data(), MPI_BYTE, comm);
+  return all;
+}
+
 } // namespace detail
 
 } // namespace taut

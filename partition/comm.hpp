@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -73,7 +74,19 @@ std::vector<Global> offsets_of_incoming(MPI_Comm comm, std::span<const int> coun
 /// on.
 void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<const int> counts,
                     std::span<std::byte> received, std::span<const Global> offsets, std::size_t item_size);
+
+/// What all ranks have, in the order of ranks.
+std::vector<std::byte> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine);
 } // namespace detail
+
+/// The items of all ranks, in the order of ranks, on every rank. For set-up, and only of what stays small.
+template<class T>
+std::vector<T> gather_to_all(MPI_Comm comm, std::span<const T> mine) {
+  const std::vector<std::byte> bytes = detail::gather_bytes(comm, std::as_bytes(mine));
+  std::vector<T> all(bytes.size() / sizeof(T));
+  std::memcpy(static_cast<void*>(all.data()), bytes.data(), bytes.size());
+  return all;
+}
 
 /// Personalised exchange: sends `items[i]` to rank `destinations[i]`; the order among the items of one pair
 /// of ranks is kept. For set-up only: it costs one message a pair of ranks that have something to say, and

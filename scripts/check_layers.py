@@ -12,7 +12,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ["partition", "io", "src/config", "src/garment", "src/state", "src/linear", "src/forces", "src/contact",
-          "src/constraints", "src/filters", "src/time", "src/output", "src/command"]
+          "src/constraints", "src/newton", "src/filters", "src/time", "src/output", "src/command"]
 # Headers by how they begin, and whose they are.
 RESERVED = {"petsc": "src/linear", "metis": "partition", "ptscotch": "partition", "hdf5": "io",
             "yaml-cpp": "src/config", "geos": "src/garment", "embree": "src/contact",

@@ -10,6 +10,7 @@ enum class ConstraintSolver { projected, modified_cg };
 enum class Integrator { implicit_euler, bdf2, imex };
 enum class InextensibilityMethod {
   fast_projection,
+  newton,
   icd,
   sap,
   shake,
@@ -37,8 +38,8 @@ enum class FrameFormat { xdmf, pc2 };
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
 constexpr std::array<std::string_view, 3> words_of(Integrator) { return {"implicit_euler", "bdf2", "imex"}; }
-constexpr std::array<std::string_view, 10> words_of(InextensibilityMethod) {
-  return {"fast_projection", "icd",          "sap",  "shake",   "rattle",
+constexpr std::array<std::string_view, 11> words_of(InextensibilityMethod) {
+  return {"fast_projection", "newton",       "icd",  "sap",     "shake", "rattle",
           "jacobi",          "gauss_seidel", "xpbd", "springs", "none"};
 }
 constexpr std::array<std::string_view, 2> words_of(Constrain) { return {"edges", "vertices"}; }

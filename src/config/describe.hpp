@@ -59,6 +59,8 @@ void describe(V& v, Is<Case> auto& c) {
           c.contact_model() != ContactModel::constraint,
       "contact.model constraint goes with method fast_projection only, of which it is a part; choose that "
       "method, or contact.model: impulse, penalty or none");
+  v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::newton || !c.has_contact(),
+          "method newton knows no contact yet; choose fast_projection, or contact.model: none");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");
   v.check("inextensibility",

@@ -85,6 +85,11 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("strain", i.strain, {.range = fraction, .meaning = "largest strain that is left"});
   v("solver", i.solver, {.meaning = "linear solver of a projection"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
+  v("residual", i.residual,
+    {.range = positive,
+     .meaning =
+         "of method newton: how far what a step leaves of its equations may move the cloth, over how far "
+         "gravity (1 m/s^2 where there is none) or a stronger acceleration moves it in the step"});
   v("carried_tension", i.carried_tension, {.meaning = "start a step from the tension of the last"});
   v("compliance", i.compliance,
     {.unit = Unit::per_newton,
@@ -101,12 +106,13 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   using enum InextensibilityMethod;
   const Inextensibility standard;
   const bool projects = is_projection(i.method);
-  v.check("constrain", i.constrain != Constrain::vertices || i.method == fast_projection,
-          "vertices goes with method fast_projection only; choose that method, or edges");
-  check_use(v, "solver", i.solver == standard.solver, projects, i.method);
+  v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
+          "vertices goes with methods fast_projection and newton only; choose one of these, or edges");
+  check_use(v, "solver", i.solver == standard.solver, projects && i.method != newton, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
-  check_use(v, "carried_tension", i.carried_tension == standard.carried_tension, is_filter(i.method),
-            i.method);
+  check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);
+  check_use(v, "carried_tension", i.carried_tension == standard.carried_tension,
+            is_filter(i.method) || i.method == newton, i.method);
   check_use(v, "compliance", !i.compliance, projects || i.method == xpbd, i.method);
   check_use(v, "shake", !i.shake, i.method == shake || i.method == rattle, i.method);
   check_use(v, "limiting", !i.limiting, is_limiting(i.method), i.method);

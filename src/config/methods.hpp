@@ -7,7 +7,7 @@ namespace taut::config {
 /// It solves linear systems, up to `max_iterations` of them a step.
 constexpr bool is_projection(InextensibilityMethod m) {
   using enum InextensibilityMethod;
-  return m == fast_projection || m == icd || m == sap || m == shake || m == rattle;
+  return m == fast_projection || m == newton || m == icd || m == sap || m == shake || m == rattle;
 }
 
 /// It sweeps over the edges.
@@ -16,7 +16,14 @@ constexpr bool is_limiting(InextensibilityMethod m) {
 }
 
 /// It changes the candidate of a step, and so knows the tension that the next one can start from.
-constexpr bool is_filter(InextensibilityMethod m) { return is_projection(m) || is_limiting(m); }
+constexpr bool is_filter(InextensibilityMethod m) {
+  return (is_projection(m) && m != InextensibilityMethod::newton) || is_limiting(m);
+}
+
+/// It takes averages of the metric around vertices as well as the lengths of edges.
+constexpr bool can_average(InextensibilityMethod m) {
+  return m == InextensibilityMethod::fast_projection || m == InextensibilityMethod::newton;
+}
 
 /// Contact changes velocities after whatever keeps the strain.
 inline bool contact_is_last(const Case& input) {
@@ -35,10 +42,10 @@ inline bool holds_limit(const Case& input) {
 
 /// What the strain limit holds for, on a mesh of triangles alone or on another.
 inline Constrain constrain_of(const Case& input, bool triangles_only) {
-  const bool can_average = input.inextensibility.method == InextensibilityMethod::fast_projection &&
-                           input.contact_model() != ContactModel::constraint;
-  return input.inextensibility.constrain.value_or(triangles_only && can_average ? Constrain::vertices
-                                                                                : Constrain::edges);
+  const bool averages =
+      can_average(input.inextensibility.method) && input.contact_model() != ContactModel::constraint;
+  return input.inextensibility.constrain.value_or(triangles_only && averages ? Constrain::vertices
+                                                                             : Constrain::edges);
 }
 
 } // namespace taut::config

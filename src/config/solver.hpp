@@ -54,6 +54,7 @@ struct Inextensibility {
   double strain = 0.01;
   LinearSolver solver = LinearSolver::cg;
   int max_iterations = 20;
+  double residual = 0.3; ///< of newton
   bool carried_tension = true;
   std::optional<double> compliance; ///< 1/N; absent: see EdgeConstraints
   std::optional<Shake> shake;       ///< the blocks of single methods; absent: their defaults

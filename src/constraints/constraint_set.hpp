@@ -11,19 +11,35 @@ namespace taut {
 /// What a set of constraints is used for.
 enum class ConstraintUse {
   alone,
-  with_contact ///< the compliance is bounded: see bounded_compliance
+  with_contact, ///< the compliance is bounded: see bounded_compliance
+  in_newton     ///< the same, and multipliers of the last step are taken whole, pushes too
 };
 
 /// The scaled compliance a of a row: what is asked, which grows as 1/h^2; under contact no more than a small
 /// part of what the row yields by its masses, so that halving a step in which something strikes hard does not
-/// soften the cloth.
+/// soften the cloth; so it is in Newton's method.
 inline double bounded_compliance(ConstraintUse use, double asked, double yields) {
   constexpr double most = 1e-3;
-  return use == ConstraintUse::with_contact ? std::min(asked, most * yields) : asked;
+  return use == ConstraintUse::alone ? asked : std::min(asked, most * yields);
 }
 
+/// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the
+/// gradients of the set.
+struct RowEdge {
+  std::size_t row; ///< owned
+  Local edge;      ///< local
+  double factor;
+};
+
+/// Where a row is at rest, and along what it keeps the length.
+struct RowPlace {
+  Vec3 point;        ///< m
+  Vec3 direction;    ///< of length one
+  double multiplier; ///< mu of the row where all rows along this direction bear the same tension
+};
+
 /// A set of constraints C(x) = a mu on the cloth, with J = dC/dx, scaled compliances a, and multipliers mu =
-/// h^2 lambda: what inextensibility keeps, alone (FastProjection) and with contact (ContactProjection).
+/// h^2 lambda: what inextensibility keeps, alone (FastProjection), with contact (ContactProjection).
 /// Another kind of constraint is another class like EdgeSet and MetricSet, and a line where its methods are
 /// instantiated.
 ///
@@ -33,7 +49,7 @@ template<class S>
 concept ConstraintSet = requires(S set, const S& fixed, const State& start, double number,
                                  const Freedom& freedom, Candidate& candidate, std::span<const Vec3> vertices,
                                  std::span<Vec3> field, std::span<const double> z, std::span<double> rows,
-                                 Local vertex) {
+                                 std::span<const double> metric, Local vertex) {
   /// For a step from `start`, with the multipliers that the candidate carries. Not collective.
   set.start(start, number, freedom, candidate);
   /// C and J at positions of local vertices; returns the largest |strain|, infinite if one is not a number.
@@ -63,8 +79,9 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   fixed.program_tolerance(number, rows);
   /// z of the last step's programs, to start from.
   fixed.program_guess(rows);
-  /// Prepares `precondition`. Collective.
-  set.factor();
+  /// Prepares `precondition` with the inverse metric W given for local vertices, 0 where they are held.
+  /// Collective.
+  set.factor(metric);
   /// An approximate solution of (J W J^T + a) s = r. Collective.
   fixed.precondition(z, rows);
   /// field -= J^T z on owned vertices, which come first in it, in two halves around the exchange with
@@ -78,6 +95,23 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
 
   { fixed.inverse_mass() } -> std::convertible_to<std::span<const double>>; ///< of local vertices, 0 if held
   { fixed.freedom() } -> std::same_as<const Freedom&>;
+};
+
+/// What Newton's method on the whole step asks of a set besides.
+template<class S>
+concept ConstraintSetInNewton = ConstraintSet<S> && requires(const S& fixed, std::span<double> rows) {
+  /// C - a mu.
+  fixed.residual(rows);
+  /// 2 |mu|/l of local edges, in kg: what their tension adds to the stiffness of the step. What a push takes
+  /// from it can make it indefinite; with its absolute value Newton's method buckles in steps that at most
+  /// double, where without it (mu+) flat triangles under pins that come together were thrown apart.
+  fixed.tension_weights(rows);
+  /// mu.
+  fixed.multipliers(rows);
+  /// J, and where its rows are; for set-up.
+  { fixed.row_edges() } -> std::same_as<std::vector<RowEdge>>;
+  { fixed.row_places() } -> std::same_as<std::vector<RowPlace>>;
+  { fixed.gradients() } -> std::convertible_to<std::span<const Vec3>>; ///< of local edges
 };
 
 } // namespace taut

@@ -8,9 +8,9 @@
 namespace taut {
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : constraints_(cloth, options, use), options_(options), use_(use),
-      system_(cloth.mesh, solver_options(options)), change_(cloth.mesh.edges.size()),
+    : constraints_(cloth, options, use), options_(options), use_(use), change_(cloth.mesh.edges.size()),
       mu_(cloth.mesh.edges.size()) {
+  if (use != ConstraintUse::in_newton) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;
   yarns_.emplace(cloth.mesh);
   program_compliance_.resize(cloth.mesh.edges.owned);
@@ -40,25 +40,25 @@ void EdgeSet::finish(Candidate& candidate) const {
 }
 
 SolveReport EdgeSet::solve(double tolerance) {
-  system_.assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
+  system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
   constraints_.residual(mu_, change_);
   const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver == config::LinearSolver::cg;
   if (!threads_ && may_use_threads && ThreadStiffness::is_needed(constraints_, mu_))
-    threads_.emplace(constraints_.cloth(), system_.yarns());
+    threads_.emplace(constraints_.cloth(), system_->yarns());
   if (threads_) threads_->choose(constraints_, mu_);
   SolveReport report =
-      uses_threads() ? solve_with_threads(tolerance) : system_.solve(change_, tolerance, change_);
+      uses_threads() ? solve_with_threads(tolerance) : system_->solve(change_, tolerance, change_);
   if (report.failure.empty()) add_change();
   return report;
 }
 
 SolveReport EdgeSet::solve_with_threads(double tolerance) {
   const auto product_with = [this](std::span<const double> mu, std::span<double> product) {
-    system_.multiply(mu, product);
+    system_->multiply(mu, product);
     threads_->hold_back(constraints_, mu);
     threads_->subtract(constraints_, product);
   };
-  const SolveReport report = system_.solve(product_with, change_, tolerance, change_, threads_->softness());
+  const SolveReport report = system_->solve(product_with, change_, tolerance, change_, threads_->softness());
   threads_->hold_back(constraints_, change_);
   return report;
 }
@@ -98,8 +98,8 @@ void EdgeSet::program_guess(std::span<double> guess) const {
     guess[e] = start_->multipliers.projection_tension[e] * dt_ * dt_;
 }
 
-void EdgeSet::factor() {
-  yarns_->factor(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
+void EdgeSet::factor(std::span<const double> metric) {
+  yarns_->factor(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
 }
 
 void EdgeSet::begin_spread(std::span<const double> z) {
@@ -114,6 +114,31 @@ void EdgeSet::end_spread(std::span<Vec3> field) {
 
 void EdgeSet::subtract_difference(std::span<const Vec3> u, std::span<double> rows) const {
   for (std::size_t e = 0; e < rows.size(); ++e) rows[e] -= difference(mesh(), constraints_.gradients(), u, e);
+}
+
+void EdgeSet::tension_weights(std::span<double> weights) const {
+  for (std::size_t e = 0; e < weights.size(); ++e)
+    weights[e] = 2.0 * std::abs(mu_[e]) / constraints_.cloth().rest_length[e];
+}
+
+void EdgeSet::multipliers(std::span<double> rows) const {
+  std::copy_n(mu_.begin(), rows.size(), rows.begin());
+}
+
+std::vector<RowEdge> EdgeSet::row_edges() const {
+  std::vector<RowEdge> result;
+  for (Local e = 0; e < mesh().edges.owned; ++e) result.push_back({std::size_t(e), e, 1.0});
+  return result;
+}
+
+std::vector<RowPlace> EdgeSet::row_places() const {
+  std::vector<RowPlace> result;
+  for (Local e = 0; e < mesh().edges.owned; ++e) {
+    const Vec3 &a = mesh().rest_positions[mesh().edge_vertices[e][0]],
+               &b = mesh().rest_positions[mesh().edge_vertices[e][1]];
+    result.push_back({0.5 * (a + b), (b - a).normalized(), 1.0});
+  }
+  return result;
 }
 
 void EdgeSet::add(std::span<const double> z) {

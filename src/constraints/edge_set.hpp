@@ -9,7 +9,8 @@
 namespace taut {
 
 /// The lengths of all edges (EdgeConstraints) as a ConstraintSet. Alone it moves vertices in the metric of
-/// the masses and of ThreadStiffness (the latter with `solver: cg` only), with contact in that of the masses.
+/// the masses and of ThreadStiffness (the latter with `solver: cg` only), with contact in that of the masses,
+/// and in Newton's method in that which it is given.
 class EdgeSet {
 public:
   /// `cloth` must outlive the set. Collective.
@@ -34,12 +35,19 @@ public:
   void program_residual(std::span<double> residual) const;
   void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
   void program_guess(std::span<double> guess) const;
-  void factor();
+  void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const { yarns_->solve(r, s); }
   void begin_spread(std::span<const double> z);
   void end_spread(std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows) const;
   void add(std::span<const double> z);
+
+  void residual(std::span<double> rows) const { constraints_.residual(mu_, rows); }
+  void tension_weights(std::span<double> weights) const;
+  void multipliers(std::span<double> rows) const;
+  std::vector<RowEdge> row_edges() const;
+  std::vector<RowPlace> row_places() const;
+  std::span<const Vec3> gradients() const { return constraints_.gradients(); }
 
   std::span<const double> inverse_mass() const { return constraints_.inverse_mass(); }
   const Freedom& freedom() const { return constraints_.freedom(); }
@@ -53,9 +61,9 @@ private:
   EdgeConstraints constraints_;
   config::Inextensibility options_;
   ConstraintUse use_;
-  ProjectionSystem system_;
+  std::optional<ProjectionSystem> system_; ///< not in Newton's method
   std::optional<ThreadStiffness> threads_; ///< made when it is first needed
-  std::optional<YarnSystem> yarns_;        ///< with contact
+  std::optional<YarnSystem> yarns_;        ///< not alone
   const State* start_ = nullptr;           ///< of the step in hand
   double dt_ = 0, strain_kept_ = 0;
   std::vector<double> change_, mu_; ///< of local edges; change_: first what is asked of the rows, then d_mu

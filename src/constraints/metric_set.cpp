@@ -17,7 +17,7 @@ MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options,
       edge_values_(cloth.mesh.edges.size()), edge_sum_(edge_values_) {
   for (const double area : cloth.measure) scale_.push_back(std::sqrt(area));
   find_columns();
-  system_.emplace(cloth.mesh, column_begin_, column_rows_, solver_options(options));
+  system_.emplace(cloth.mesh, column_begin_, column_rows_, options_of_system());
 }
 
 void MetricSet::find_columns() {
@@ -36,16 +36,27 @@ void MetricSet::find_columns() {
   columns_.resize(column_rows_.size());
 }
 
+/// The rows nearly depend on each other, and what preconditions Newton's method need not be exact: there they
+/// are factored, with a compliance that makes their factor one of a regular matrix.
+SolverOptions MetricSet::options_of_system() const {
+  if (use_ != ConstraintUse::in_newton) return solver_options(options_);
+  return {.kind = SolverOptions::Kind::mumps};
+}
+
 void MetricSet::start(const State& start, double dt, const Freedom& freedom, const Candidate&) {
   dt_ = dt;
   start_ = &start;
   freedom_ = freedom;
   take_inverse_masses(cloth_, freedom, inverse_mass_);
   for (std::size_t i = 0; i < mu_.size(); ++i)
-    mu_[i] = options_.carried_tension
-                 ? Vec2(0.5 * dt * dt * scale_[i] * start.multipliers.stress[i].cwiseMax(0.0))
-                 : Vec2(Vec2::Zero());
+    mu_[i] = options_.carried_tension ? Vec2(0.5 * dt * dt * scale_[i] * carried(start.multipliers.stress[i]))
+                                      : Vec2(Vec2::Zero());
   edge_sum_.assign(edge_sum_.size(), 0.0);
+}
+
+/// The prediction of the other methods knows no pushes.
+Vec2 MetricSet::carried(const Vec2& stress) const {
+  return use_ == ConstraintUse::in_newton ? stress : Vec2(stress.cwiseMax(0.0));
 }
 
 double MetricSet::evaluate(std::span<const Vec3> x) {
@@ -62,6 +73,7 @@ double MetricSet::evaluate(std::span<const Vec3> x) {
       max = std::max(max, std::isfinite(strain) ? strain : HUGE_VAL);
     }
   }
+  take_compliances();
   return max_over(mesh.comm, max);
 }
 
@@ -93,35 +105,82 @@ void MetricSet::take_compliances() {
   }
 }
 
-void MetricSet::factor() {
-  take_compliances();
+void MetricSet::factor(std::span<const double> metric) {
   fill_columns();
-  system_->assemble(columns_, inverse_mass_, freedom_, scaled_compliance_);
+  if (use_ != ConstraintUse::in_newton) {
+    system_->assemble(columns_, metric, freedom_, scaled_compliance_);
+    return;
+  }
+  constexpr double part = 1e-5; // of what a row yields
+  std::vector<Vec2> compliance = scaled_compliance_;
+  for (std::size_t i = 0; i < compliance.size(); ++i) compliance[i].array() += part * 4.0 * metric[i];
+  system_->assemble(columns_, metric, freedom_, compliance);
 }
 
 SolveReport MetricSet::solve(double tolerance) {
-  factor();
-  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
-    const Vec2 value = scale_[i] * (metrics_[i].array() - 1.0);
-    residual_[i] = can_change(i) ? Vec2(value - scaled_compliance_[i][0] * mu_[i]) : Vec2(Vec2::Zero());
-  }
+  factor(inverse_mass_);
+  residual({residual_.data()->data(), rows()});
   SolveReport report = system_->solve(residual_, tolerance, change_);
   if (report.failure.empty()) add_change();
   return report;
 }
 
-/// By squared length, of local edges: what J^T makes of `change_`, but for the edges' own derivatives.
-void MetricSet::spread_to_edges() {
-  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
-    edge_values_[e] = 0;
-    for (const auto& share : metric_.of_edge(e))
-      edge_values_[e] += scale_[share.vertex] * share.weight.dot(change_[share.vertex]);
+void MetricSet::residual(std::span<double> rows) const {
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
+    const Vec2 value = scale_[i] * (metrics_[i].array() - 1.0);
+    const Vec2 left = can_change(i) ? Vec2(value - scaled_compliance_[i][0] * mu_[i]) : Vec2(Vec2::Zero());
+    std::copy_n(left.data(), 2, rows.data() + 2 * i);
   }
+}
+
+/// By squared length, of local edges: what J^T makes of `values`, but for the edges' own derivatives.
+void MetricSet::spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const {
+  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
+    on_edges[e] = 0;
+    for (const auto& share : metric_.of_edge(e))
+      on_edges[e] += scale_[share.vertex] * share.weight.dot(values[share.vertex]);
+  }
+}
+
+void MetricSet::tension_weights(std::span<double> weights) const {
+  spread_to_edges(mu_, weights);
+  for (double& w : weights) w = 2.0 * std::abs(w);
+}
+
+void MetricSet::multipliers(std::span<double> rows) const {
+  std::copy_n(mu_.data()->data(), rows.size(), rows.begin());
+}
+
+std::vector<RowEdge> MetricSet::row_edges() const {
+  std::vector<RowEdge> result;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    for (const auto& share : metric_.of_vertex(i))
+      for (int k = 0; k < 2; ++k)
+        result.push_back({std::size_t(2 * i + k), share.edge, scale_[i] * share.weight[k]});
+  return result;
+}
+
+/// The weights of a row make u u^T of the sides d, as sum w d d^T.
+std::vector<RowPlace> MetricSet::row_places() const {
+  const auto& rest = cloth_.mesh.rest_positions;
+  std::vector<RowPlace> result;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    for (int k = 0; k < 2; ++k) {
+      Mat3 sum = Mat3::Zero();
+      for (const auto& share : metric_.of_vertex(i)) {
+        const auto& [a, b] = cloth_.mesh.edge_vertices[share.edge];
+        sum += share.weight[k] * (rest[b] - rest[a]) * (rest[b] - rest[a]).transpose();
+      }
+      Eigen::Index longest = 0;
+      sum.diagonal().maxCoeff(&longest);
+      result.push_back({rest[i], sum.col(longest).normalized(), scale_[i]});
+    }
+  return result;
 }
 
 void MetricSet::add_change() {
   for (std::size_t i = 0; i < mu_.size(); ++i) mu_[i] += change_[i];
-  spread_to_edges();
+  spread_to_edges(change_, edge_values_);
   for (std::size_t e = 0; e < edge_sum_.size(); ++e) edge_sum_[e] += edge_values_[e];
 }
 
@@ -133,10 +192,14 @@ Vec3 MetricSet::displacement(Local vertex) const {
 void MetricSet::finish(Candidate& candidate) const {
   for (std::size_t i = 0; i < mu_.size(); ++i)
     candidate.multipliers.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
-  for (std::size_t e = 0; e < edge_sum_.size(); ++e)
-    candidate.multipliers.force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
+  std::vector<double>& force_density = candidate.multipliers.force_density;
+  if (use_ == ConstraintUse::in_newton) {
+    spread_to_edges(mu_, force_density);
+    for (double& q : force_density) q *= 2.0 / (dt_ * dt_);
+  } else
+    for (std::size_t e = 0; e < edge_sum_.size(); ++e) force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
   // an edge far from owned vertices lacks triangles
-  cloth_.mesh.edge_halo.update(candidate.multipliers.force_density);
+  cloth_.mesh.edge_halo.update(force_density);
 }
 
 void MetricSet::keep_strain(double part) { strain_kept_ = part; }
@@ -178,7 +241,7 @@ void MetricSet::begin_spread(std::span<const double> z) {
 
 void MetricSet::end_spread(std::span<Vec3> field) {
   cloth_.mesh.vertex_halo.end_update(change_);
-  spread_to_edges();
+  spread_to_edges(change_, edge_values_);
   subtract_spread(cloth_.mesh, gradients_, edge_values_, field);
 }
 

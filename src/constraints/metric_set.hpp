@@ -36,12 +36,19 @@ public:
   void program_residual(std::span<double> residual) const;
   void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
   void program_guess(std::span<double> guess) const;
-  void factor();
+  void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const { system_->precondition(r, s); }
   void begin_spread(std::span<const double> z);
   void end_spread(std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows);
   void add(std::span<const double> z);
+
+  void residual(std::span<double> rows) const;
+  void tension_weights(std::span<double> weights) const;
+  void multipliers(std::span<double> rows) const;
+  std::vector<RowEdge> row_edges() const;
+  std::vector<RowPlace> row_places() const;
+  std::span<const Vec3> gradients() const { return gradients_; }
 
   std::span<const double> inverse_mass() const { return inverse_mass_; }
   const Freedom& freedom() const { return freedom_; }
@@ -61,7 +68,9 @@ private:
   void fill_columns();
   void take_compliances();
   bool can_change(Local vertex) const;
-  void spread_to_edges();
+  SolverOptions options_of_system() const;
+  Vec2 carried(const Vec2& stress) const;
+  void spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const;
   void add_change();
 
   const Cloth& cloth_;

@@ -23,7 +23,7 @@ template<ConstraintSet Set>
 QpReport ContactQp<Set>::solve(Set& set, std::span<const Contact> contacts, std::span<const ContactRow> rows,
                                const QpEffort& effort, QpGuess guess) {
   set_ = &set;
-  set.factor();
+  set.factor(set.inverse_mass());
   take_set(guess);
   take_rows(contacts, rows);
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },

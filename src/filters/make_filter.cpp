@@ -31,6 +31,7 @@ std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& p
     return std::make_unique<StrainLimiting>(cloth, options);
   case springs:
     return std::make_unique<SpringTension>(cloth, options);
+  case newton:
   case xpbd:
   case none:
     break;

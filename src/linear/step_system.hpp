@@ -82,6 +82,13 @@ public:
     matrix_.add_rank_one(vertices, gradient);
   }
 
+  /// A(i, i) += w I and A(i, j) -= w I for an owned vertex i and its neighbour j, w in kg; nothing of it on
+  /// the right-hand side.
+  void stiffen(Local vertex, std::int32_t slot, double w) {
+    matrix_.add_diagonal(vertex, w);
+    matrix_.add_entry(slot, -w);
+  }
+
   /// A += the terms, whose gradients hold the factors of the step already.
   void set_far(ContactCouplings terms) { matrix_.set_far(std::move(terms)); }
 

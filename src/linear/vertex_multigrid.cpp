@@ -11,14 +11,18 @@ namespace {
 
 constexpr double ratio = 3; // of the spacings of two grids
 constexpr Global few_nodes = 50;
-constexpr double omega = 1.5; // of D^-1 A, whose eigenvalues are at most 1
+constexpr int vertex_steps = 2, grid_steps = 1; // that smooth
 
-/// w D^-1; where D has no entries, 0. What is too small to be more than round-off belongs to directions that
+/// Of the k-th step of Chebyshev's polynomials of the fourth kind, for eigenvalues of D^-1 A from 0 to 1.
+double momentum(int k) { return (2.0 * k - 3) / (2 * k + 1); }
+double weight(int k) { return (8.0 * k - 4) / (2 * k + 1); }
+
+/// D^-1; where D has no entries, 0. What is too small to be more than round-off belongs to directions that
 /// nothing depends on.
 Mat3 smoother_of(const Mat3& d) {
   constexpr double round_off = 1e-12;
   const double size = d.trace();
-  return size > 0 ? Mat3(omega * (d + round_off * size * Mat3::Identity()).inverse()) : Mat3(Mat3::Zero());
+  return size > 0 ? Mat3((d + round_off * size * Mat3::Identity()).inverse()) : Mat3(Mat3::Zero());
 }
 
 /// M with the absolute values of its singular values: (M M^T)^(1/2).
@@ -32,7 +36,8 @@ Mat3 absolute(const Mat3& m) {
 } // namespace
 
 VertexMultigrid::VertexMultigrid(const DistributedMesh& mesh, const Pattern& pattern)
-    : mesh_(mesh), pattern_(pattern), smoother_(mesh.vertices.owned), product_(mesh.vertices.owned) {
+    : mesh_(mesh), pattern_(pattern), smoother_(mesh.vertices.owned), step_(mesh.vertices.owned),
+      product_(mesh.vertices.owned) {
   double spacing = ratio * mean_edge(mesh);
   SparseRows rows = pattern.sparse_rows();
   std::span<const Vec3> points = mesh.rest_positions;
@@ -110,8 +115,7 @@ void VertexMultigrid::make_vertex_smoother() {
   }
   for (Local i = 0; i < pattern_.rows(); ++i) {
     Mat3 d = smoother_[i];
-    if (!freedom.is_free(i)) // what may not move is solved for at once
-      d = matrix_->filtered(i, i, d) + (omega - 1) * matrix_->filtered(i, i, Mat3::Zero());
+    if (!freedom.is_free(i)) d = matrix_->filtered(i, i, d);
     smoother_[i] = smoother_of(d);
   }
 }
@@ -196,20 +200,29 @@ void VertexMultigrid::rise_from(std::size_t k, std::span<const Vec3> b, std::spa
   }
   std::fill(x.begin(), x.end(), Vec3::Zero());
   levels_[0]->grid.add_spread(levels_[0]->x, x);
-  matrix_->apply(x, product_);
-  for (std::size_t i = 0; i < smoother_.size(); ++i) x[i] += smoother_[i] * (b[i] - product_[i]);
+  std::fill(step_.begin(), step_.end(), Vec3::Zero());
+  for (int step = 1; step <= vertex_steps; ++step) {
+    matrix_->apply(x, product_);
+    for (std::size_t i = 0; i < smoother_.size(); ++i) {
+      step_[i] = momentum(step) * step_[i] + weight(step) * (smoother_[i] * (b[i] - product_[i]));
+      x[i] += step_[i];
+    }
+  }
 }
 
 void VertexMultigrid::smooth(const Level& level) const {
-  level.grid.halo().update(level.x);
   const SparseRows rows = level.grid.rows();
-  auto block = level.grid.values().begin();
-  for (Local row = 0; row < rows.size(); ++row) {
-    Vec3 rest = level.b[row];
-    for (const Local column : rows.columns(row)) rest.noalias() -= *block++ * level.x[column];
-    level.step[row] = level.smoother[row] * rest;
+  std::fill(level.step.begin(), level.step.end(), Vec3::Zero());
+  for (int k = 1; k <= grid_steps; ++k) {
+    level.grid.halo().update(level.x);
+    auto block = level.grid.values().begin();
+    for (Local row = 0; row < rows.size(); ++row) {
+      Vec3 rest = level.b[row];
+      for (const Local column : rows.columns(row)) rest.noalias() -= *block++ * level.x[column];
+      level.step[row] = momentum(k) * level.step[row] + weight(k) * (level.smoother[row] * rest);
+    }
+    for (Local row = 0; row < rows.size(); ++row) level.x[row] += level.step[row];
   }
-  for (Local row = 0; row < rows.size(); ++row) level.x[row] += level.step[row];
 }
 
 } // namespace taut

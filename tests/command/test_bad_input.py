@@ -104,6 +104,11 @@ MISTAKES = [
           "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with method fast_projection only, of "
           "which it is "
           "a part; choose that method, or contact.model: impulse, penalty or none"),
+    added("contact_by_newton", "inextensibility: {method: newton}\nobstacles: [{plane: {point: [0, 0, -1]}}]\n"
+          "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton knows no contact yet; "
+          "choose fast_projection, or contact.model: none"),
+    added("mumps_for_newton", "inextensibility: {method: newton, solver: mumps}", "taut: case.yaml:5:43: "
+          "inextensibility.solver: method newton does not use it; remove it, or choose another method"),
     added("contact_by_xpbd", "inextensibility: {method: xpbd}\ncontact: {model: impulse}",
           "taut: case.yaml:5:18: inextensibility: method xpbd knows no contact; choose another, or "
           "contact.model: none"),
@@ -201,9 +206,8 @@ MISTAKES = [
           "keep "
           "warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with method fast_projection only; choose "
-          "that "
-          "method, or edges"),
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with methods fast_projection and newton "
+          "only; choose one of these, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n",
          "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",

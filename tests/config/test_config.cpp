@@ -465,14 +465,16 @@ TEST(ConfigError, Checks) {
 // A key that the chosen method would not look at: for each, the methods that use it; all others refuse it.
 TEST(ConfigError, KeysThatAMethodDoesNotUse) {
   const std::string keep{"fast_projection icd sap shake rattle "}, sweep{"jacobi gauss_seidel "};
-  const std::vector<std::pair<std::string, std::string>> used_by{{"solver: mumps", keep},
-                                                                 {"max_iterations: 7", keep},
-                                                                 {"carried_tension: false", keep + sweep},
-                                                                 {"compliance: 1e-3", keep + "xpbd "},
-                                                                 {"shake: {matrix: lagged}", "shake rattle "},
-                                                                 {"limiting: {max_sweeps: 9}", sweep},
-                                                                 {"xpbd: {substeps: 4}", "xpbd "},
-                                                                 {"springs: {stiffness: 100}", "springs "}};
+  const std::vector<std::pair<std::string, std::string>> used_by{
+      {"solver: mumps", keep},
+      {"max_iterations: 7", keep + "newton "},
+      {"residual: 0.2", "newton "},
+      {"carried_tension: false", keep + sweep + "newton "},
+      {"compliance: 1e-3", keep + "xpbd newton "},
+      {"shake: {matrix: lagged}", "shake rattle "},
+      {"limiting: {max_sweeps: 9}", sweep},
+      {"xpbd: {substeps: 4}", "xpbd "},
+      {"springs: {stiffness: 100}", "springs "}};
   for (const std::string_view word : words_of(config::InextensibilityMethod{}))
     for (const auto& [setting, users] : used_by) {
       const std::string method(word), key = setting.substr(0, setting.find(':')),

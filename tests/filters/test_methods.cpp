@@ -21,6 +21,7 @@ struct Choice {
 
 const std::vector<Choice> choices{
     {"fast_projection", "", true, 1e-4},
+    {"newton", "method: newton, residual: 1e-6", true, 1e-4},
     {"icd", "method: icd", true, 1e-4},
     {"sap", "method: sap", true, 1e-4},
     {"shake", "method: shake", true, 1e-4},
@@ -115,8 +116,8 @@ TEST(Methods, DrapeTheSameAtAnyRankCountAndAgreeOnTheFall) {
 
 TEST(Methods, TakeEveryIntegrator) {
   for (const std::string integrator : {"bdf2", "imex"})
-    for (const std::string method :
-         {"", "method: icd", "method: shake", "method: rattle", "method: gauss_seidel"}) {
+    for (const std::string method : {"", "method: newton, residual: 1e-6", "method: icd", "method: shake",
+                                     "method: rattle", "method: gauss_seidel"}) {
       SCOPED_TRACE(integrator + " " + method);
       const Case input = drape(method, integrator);
       const Trip alone = serial_run(input), found = run(world, input);

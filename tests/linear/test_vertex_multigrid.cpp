@@ -215,19 +215,6 @@ TEST(VertexMultigrid, GoesOnFromASolutionOnAGrid) {
   });
 }
 
-// What is denied is solved for by the cycle itself.
-TEST(VertexMultigrid, SolvesForWhatMayNotMove) {
-  on_benches([](const Bench& b, const Whole& whole) {
-    const auto all = some_vectors(whole, 24);
-    std::vector<Vec3> x(b.map.owned), product(b.map.owned);
-    const std::vector<Vec3> right = b.owned(all);
-    b.multigrid.solve(right, x);
-    b.filtered.apply(x, product);
-    for (Local i = 0; i < b.map.owned; ++i)
-      EXPECT_LT(b.freedom.denied(i, product[i] - right[i]).norm(), 1e-9);
-  });
-}
-
 namespace {
 
 /// The mean factor by which a cycle reduces the error in the norm of the matrix.

@@ -93,6 +93,12 @@ TEST(Resume, OnTheSameRanksIsEqualToTheBit) {
     expect_unbroken(falling_cloth(iterative), all(), all(), steps, 0.0);
 }
 
+TEST(Resume, WithNewtonIsEqualToTheBit) {
+  for (const Global steps : {1, 7})
+    expect_unbroken(falling_cloth("inextensibility: {method: newton, max_iterations: 2}\n"), all(), all(),
+                    steps, 0.0);
+}
+
 TEST(Resume, WithDirectSolversIsEqualOnAnyRanks) {
   expect_unbroken(falling_cloth(direct), all(), 1, 7, 1e-9);
   expect_unbroken(falling_cloth(direct), 1, all(), 7, 1e-9);

@@ -65,6 +65,11 @@ TEST(Trajectory, IsTheSameAtAnyRankCountWithDirectSolvers) { expect_the_same_run
 // velocity.
 TEST(Trajectory, IsNearlyTheSameAtAnyRankCountWithConjugateGradients) { expect_the_same_run("", 1e-3); }
 
+// Newton's method stops where what is left moves the cloth by a part of what gravity does.
+TEST(Trajectory, IsNearlyTheSameAtAnyRankCountWithNewton) {
+  expect_the_same_run("inextensibility: {method: newton, residual: 1e-3}\n", 1e-3);
+}
+
 namespace {
 
 /// Falls on a ball and hangs down around it.

@@ -1,0 +1,240 @@
+#include "src/newton/newton_solver.hpp"
+
+#include "src/constraints/edge_set.hpp"
+#include "src/constraints/metric_set.hpp"
+#include "src/linear/as_vectors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace taut {
+
+namespace {
+
+constexpr double row_tolerance = 0.01; // with 0.03 cases/flag took ten times as many steps
+constexpr int most_row_steps = 100;
+
+double total_mass(const Cloth& cloth) {
+  double sum = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) sum += cloth.mass[i];
+  return sum_over(cloth.mesh.comm, sum);
+}
+
+} // namespace
+
+template<ConstraintSetInNewton Set>
+NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set)
+    : cloth_(cloth), set_(set), row_edges_(set.row_edges()), grids_(cloth.mesh, pattern),
+      coarse_(cloth.mesh, grids_, row_edges_, set.row_places()),
+      gcr_(cloth.mesh.comm, 3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
+      total_mass_(total_mass(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
+      left_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
+      metric_(cloth.mesh.vertices.size()), tolerance_(set.rows()),
+      rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {}
+
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
+  stiffness_ = &stiffness;
+  find_metric();
+  grids_.set(stiffness);
+  set_.factor(metric_);
+  coarse_.set(set_.gradients(), set_.freedom(), set_.program_compliance());
+  set_.program_tolerance(1.0, tolerance_);
+}
+
+/// W, and the weights of residuals that go with it: 1/(J W J^T + a) of the rows, their diagonals nearly.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::find_metric() {
+  const Local owned = cloth_.mesh.vertices.owned;
+  std::vector<Mat3> blocks(owned);
+  stiffness_->diagonal_blocks(blocks);
+  for (Local i = 0; i < owned; ++i) {
+    metric_[i] = stiffness_->freedom().is_held(i) ? 0.0 : 3.0 / blocks[i].trace();
+    std::fill_n(weights_.begin() + 3 * i, 3, 3.0 / blocks[i].trace());
+  }
+  cloth_.mesh.vertex_halo.update(metric_);
+  std::copy_n(set_.program_compliance().begin(), rows_.size(), rows_.begin());
+  for (const auto& [row, edge, factor] : row_edges_) {
+    const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
+    rows_[row] += factor * factor * set_.gradients()[edge].squaredNorm() * (metric_[a] + metric_[b]);
+  }
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    weights_[3 * std::size_t(owned) + row] = rows_[row] > 0 ? 1.0 / rows_[row] : 1.0;
+}
+
+template<ConstraintSetInNewton Set>
+SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const double> c, const Goal& goal,
+                                     int max_iterations, std::vector<Vec3>& dx, std::vector<double>& dmu) {
+  const std::size_t n = r.size();
+  std::copy(r.begin(), r.end(), as_vectors(left_).begin());
+  std::copy(c.begin(), c.end(), left_.begin() + 3 * n);
+  std::fill(solution_.begin(), solution_.end(), 0.0);
+  gcr_.start(weights_);
+  SolveReport report;
+  for (Goal left{HUGE_VAL, HUGE_VAL}; left.movement > goal.movement || left.strain > goal.strain;) {
+    if (report.iterations == max_iterations) {
+      report.failure = "too many iterations";
+      break;
+    }
+    find_direction();
+    ++report.iterations;
+    left.movement = rms(as_vectors(direction_));
+    if (gcr_.step(direction_, product_, solution_, left_) == 0) {
+      report.failure = "no further progress";
+      break;
+    }
+    left.strain = strain(std::span(left_).subspan(3 * n));
+  }
+  std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
+  cloth_.mesh.vertex_halo.update(dx);
+  for (std::size_t row = 0; row < dmu.size(); ++row) dmu[row] = -solution_[3 * n + row];
+  return report;
+}
+
+template<ConstraintSetInNewton Set>
+double NewtonSolver<Set>::movement(std::span<const Vec3> r, std::span<const double> c) {
+  std::copy(r.begin(), r.end(), as_vectors(left_).begin());
+  std::copy(c.begin(), c.end(), left_.begin() + 3 * r.size());
+  find_direction();
+  return rms(as_vectors(direction_));
+}
+
+template<ConstraintSetInNewton Set>
+double NewtonSolver<Set>::rms(std::span<const Vec3> field) const {
+  double sum = 0;
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) sum += cloth_.mass[i] * field[i].squaredNorm();
+  return std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_);
+}
+
+/// The largest of the linearised constraints, in parts of the strain limit.
+template<ConstraintSetInNewton Set>
+double NewtonSolver<Set>::strain(std::span<const double> c) const {
+  double largest = 0;
+  for (std::size_t row = 0; row < c.size(); ++row)
+    largest = std::max(largest, std::abs(c[row]) / tolerance_[row]);
+  return max_over(cloth_.mesh.comm, largest);
+}
+
+/// The preconditioner for what is left, and its product, in `direction_` and `product_`.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::find_direction() {
+  const DistributedMesh& mesh = cloth_.mesh;
+  const auto n = std::size_t(mesh.vertices.owned);
+  const auto r = as_vectors(left_).first(n);
+  const auto c = std::span(left_).subspan(3 * n), d = std::span(direction_).subspan(3 * n);
+
+  for (std::size_t row = 0; row < c.size(); ++row) rows_[row] = -c[row];
+  grids_.restrict_to(coarse_.level(), r, nodes_);
+  coarse_.solve(nodes_, rows_, start_, d);
+  for (double& m : d) m = -m;
+
+  const auto b = as_vectors(product_).first(n); // r + J^T d
+  spread(d);
+  for (std::size_t i = 0; i < n; ++i) b[i] = r[i] - stiffness_->freedom().allowed(Local(i), y_[i]);
+  const auto x = as_vectors(direction_).first(n);
+  grids_.solve(b, coarse_.level(), start_, x);
+  project(x);
+  std::copy(x.begin(), x.end(), x_.begin());
+  mesh.vertex_halo.update(x_);
+  choose_multipliers(b);
+}
+
+/// `y_` = -J^T z on owned vertices.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::spread(std::span<const double> z) {
+  std::fill_n(y_.begin(), cloth_.mesh.vertices.owned, Vec3::Zero());
+  set_.begin_spread(z);
+  set_.end_spread(y_);
+}
+
+/// rows_ <- (J W J^T + a)^-1 rows_, nearly: by a few steps of conjugate gradients, more of them where warp
+/// and weft lie along each other, which the set's own inverse does not know. `x_` and `y_` are room for it.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::solve_rows() {
+  auto& [x, z, p, q] = room_;
+  std::fill(x.begin(), x.end(), 0.0);
+  set_.precondition(rows_, z);
+  p = z;
+  double rz = dot(rows_, z);
+  const double enough = row_tolerance * row_tolerance * rz;
+  for (int step = 0; step < most_row_steps && rz > enough; ++step) {
+    multiply_rows(p, q);
+    const double alpha = rz / dot(p, q);
+    for (std::size_t row = 0; row < x.size(); ++row) {
+      x[row] += alpha * p[row];
+      rows_[row] -= alpha * q[row];
+    }
+    set_.precondition(rows_, z);
+    const double before = std::exchange(rz, dot(rows_, z));
+    for (std::size_t row = 0; row < x.size(); ++row) p[row] = z[row] + rz / before * p[row];
+  }
+  std::swap(rows_, x);
+}
+
+/// product = (J W J^T + a) z.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::multiply_rows(std::span<const double> z, std::span<double> product) {
+  const auto a = set_.program_compliance();
+  spread(z);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    x_[i] = metric_[i] * stiffness_->freedom().allowed(i, y_[i]);
+  cloth_.mesh.vertex_halo.update(x_);
+  for (std::size_t row = 0; row < z.size(); ++row) product[row] = a[row] * z[row];
+  set_.subtract_difference(x_, product);
+}
+
+/// Of rows.
+template<ConstraintSetInNewton Set>
+double NewtonSolver<Set>::dot(std::span<const double> a, std::span<const double> b) const {
+  double sum = 0;
+  for (std::size_t row = 0; row < a.size(); ++row) sum += a[row] * b[row];
+  return sum_over(cloth_.mesh.comm, sum);
+}
+
+/// x -= W J^T z with (J W J^T + a) z = c + J x + a d.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::project(std::span<Vec3> x) {
+  const auto a = set_.program_compliance();
+  const auto c = std::span(left_).subspan(3 * x.size()), d = std::span(direction_).subspan(3 * x.size());
+  std::copy(x.begin(), x.end(), x_.begin());
+  cloth_.mesh.vertex_halo.update(x_);
+  for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] = -c[row] - a[row] * d[row];
+  set_.subtract_difference(x_, rows_);
+  solve_rows();
+  spread(rows_);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] -= metric_[i] * stiffness_->freedom().allowed(Local(i), y_[i]);
+}
+
+/// d += e with (J W J^T + a) e = -J W (b - H x), for the displacements `x_`; then the product of both. `b` is
+/// where the product's first part comes to be.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::choose_multipliers(std::span<Vec3> b) {
+  const Freedom& freedom = stiffness_->freedom();
+  const auto d = std::span(direction_).subspan(3 * b.size()), p = std::span(product_).subspan(3 * b.size());
+  std::fill(p.begin(), p.end(), 0.0);
+  set_.subtract_difference(x_, p);
+  stiffness_->matrix().multiply(x_, y_);
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const Vec3 held_back = freedom.allowed(Local(i), y_[i]);
+    x_[i] = metric_[i] * (b[i] - held_back);
+    b[i] = held_back;
+  }
+  cloth_.mesh.vertex_halo.update(x_);
+  std::fill(rows_.begin(), rows_.end(), 0.0);
+  set_.subtract_difference(x_, rows_);
+  solve_rows();
+  const auto a = set_.program_compliance();
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    d[row] += rows_[row];
+    p[row] -= a[row] * d[row];
+  }
+  spread(d);
+  for (std::size_t i = 0; i < b.size(); ++i) b[i] += freedom.allowed(Local(i), y_[i]);
+}
+
+template class NewtonSolver<EdgeSet>;
+template class NewtonSolver<MetricSet>;
+
+} // namespace taut

@@ -1,0 +1,81 @@
+#pragma once
+#include "src/linear/gcr.hpp"
+#include "src/newton/coarse_system.hpp"
+#include "src/state/cloth.hpp"
+
+namespace taut {
+
+/// Solves the saddle-point system of Newton's method on the whole step,
+///
+///     [ H  J^T ] [ dx  ]     [ r ]
+///     [ J  -a  ] [ dmu ] = - [ c ],
+///
+/// with the stiffness H of the step, that of tension included, and a set of constraints; by the generalised
+/// conjugate residual method (Gcr). Its preconditioner
+///
+/// 1. solves the system on a coarse grid (CoarseSystem): displacements and tensions that reach far;
+/// 2. takes what is left for displacements through the finer grids (VertexMultigrid) with the tensions found;
+/// 3. moves vertices to where the constraints are met, in the metric of the diagonal of H, as a projection
+///    does: (J W J^T + a) z = c + J dx, dx -= W J^T z, with W_i = 3/trace H_ii;
+/// 4. chooses the tensions that leave the least of the equations of motion, in the same metric.
+///
+/// 3 and 4 ask for the same approximate inverse of J W J^T + a, by a few conjugate gradients with that of the
+/// set (exact along yarns). With 3 alone, of which the z are tensions too, GCR stops: in the metric of the
+/// diagonal they are too large by far where H is stiff.
+template<ConstraintSetInNewton Set>
+class NewtonSolver {
+public:
+  /// All must outlive the solver. Collective.
+  NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set);
+
+  /// What of the equations may be left, or is.
+  struct Goal {
+    double movement; ///< m, by which it would move the cloth: see `movement`
+    double strain;   ///< the part of the strain limit that the linearised constraints may miss
+  };
+
+  /// Takes the matrix and the set as it was evaluated last. Collective.
+  void factor(const FilteredOperator& stiffness);
+
+  /// `r` over owned vertices, in kg m; `c` over owned rows, as the set's residual. `dx` (local, ghosts
+  /// current) and `dmu` (owned rows) are the solution, as far as it was found. Takes one iteration or more.
+  /// Collective.
+  SolveReport solve(std::span<const Vec3> r, std::span<const double> c, const Goal& goal, int max_iterations,
+                    std::vector<Vec3>& dx, std::vector<double>& dmu);
+
+  /// How far what is left of the equations, `r` and `c` as in `solve`, would move the cloth: the `rms`, in m,
+  /// of what the preconditioner makes of it as it was made last. Collective.
+  double movement(std::span<const Vec3> r, std::span<const double> c);
+
+  /// Root mean square over the masses, of owned vertices. Collective.
+  double rms(std::span<const Vec3> field) const;
+
+private:
+  double strain(std::span<const double> c) const;
+  void find_metric();
+  void find_direction();
+  void solve_rows();
+  void multiply_rows(std::span<const double> z, std::span<double> product);
+  double dot(std::span<const double> a, std::span<const double> b) const;
+  void project(std::span<Vec3> x);
+  void choose_multipliers(std::span<Vec3> b);
+  void spread(std::span<const double> z);
+
+  const Cloth& cloth_;
+  Set& set_;
+  std::vector<RowEdge> row_edges_;
+  VertexMultigrid grids_;
+  CoarseSystem coarse_;
+  Gcr gcr_;
+  const FilteredOperator* stiffness_ = nullptr;
+  double total_mass_;
+  // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,
+  // then the rows.
+  std::vector<double> solution_, left_, direction_, product_, weights_;
+  std::vector<double> metric_;              ///< W, of local vertices
+  std::vector<double> tolerance_, rows_;    ///< of owned rows; rows_: room
+  std::array<std::vector<double>, 4> room_; ///< of owned rows, for conjugate gradients
+  std::vector<Vec3> x_, y_, nodes_, start_; ///< room: local vertices, nodes of the coarse grid
+};
+
+} // namespace taut
