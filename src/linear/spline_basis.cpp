@@ -1,5 +1,7 @@
 #include "src/linear/spline_basis.hpp"
 
+#include "src/linear/bounding_box.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -21,21 +23,14 @@ Global key_of(Global i, Global j, Global k) {
 template<int degree>
 SplineBasis<degree>::SplineBasis(MPI_Comm comm, std::span<const Vec3> points, double spacing)
     : spacing_(spacing), places_(points.size()) {
-  std::array<double, 6> box; // -min, max
-  box.fill(-HUGE_VAL);
-  for (const Vec3& p : points)
-    for (int d = 0; d < 3; ++d) {
-      box[d] = std::max(box[d], -p[d]);
-      box[3 + d] = std::max(box[3 + d], p[d]);
-    }
-  max_in_place(comm, box);
-  for (int d = 0; d < 3; ++d) origin_[d] = -box[d];
-  const auto is_wide = [&](int d) { return box[3 + d] + box[d] >= 0.5 * spacing; };
+  const BoundingBox box = bounding_box(comm, points);
+  origin_ = box.lowest;
+  const Vec3 width = box.highest - box.lowest;
+  const auto is_wide = [&](int d) { return width[d] >= 0.5 * spacing; };
   axes_ = {0, 1, 2};
   dimension_ = int(std::stable_partition(axes_.begin(), axes_.end(), is_wide) - axes_.begin());
   for (int d = 0; d < dimension_; ++d)
-    last_[d] =
-        std::max<Global>(Global(std::ceil((box[3 + axes_[d]] + box[axes_[d]]) / spacing - on_a_node)) - 1, 0);
+    last_[d] = std::max<Global>(Global(std::ceil(width[axes_[d]] / spacing - on_a_node)) - 1, 0);
 
   std::unordered_map<Global, Local> cells;
   for (std::size_t i = 0; i < points.size(); ++i) {

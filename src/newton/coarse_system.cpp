@@ -1,6 +1,7 @@
 #include "src/newton/coarse_system.hpp"
 
 #include "partition/sort_unique.hpp"
+#include "src/linear/bounding_box.hpp"
 
 #include <cmath>
 #include <unordered_map>
@@ -9,7 +10,7 @@ namespace taut {
 
 CoarseSystem::CoarseSystem(const DistributedMesh& mesh, const VertexMultigrid& grids,
                            std::span<const RowEdge> entries, std::span<const RowPlace> places)
-    : mesh_(mesh), grids_(grids), row_edges_(entries.begin(), entries.end()) {
+    : mesh_(mesh), grids_(grids), row_edges_(entries) {
   choose_level();
   node_unknowns_ = Unknown(3 * grids_.grid(level_).total());
   find_tensions(places);
@@ -64,16 +65,9 @@ struct TensionBasis {
 
 /// With cells between the nodes of the grid. Collective.
 TensionBasis tension_basis(MPI_Comm comm, std::span<const Vec3> nodes, double spacing) {
-  std::array<double, 6> box; // -min, max
-  box.fill(-HUGE_VAL);
-  for (const Vec3& p : nodes)
-    for (int d = 0; d < 3; ++d) {
-      box[d] = std::max(box[d], -p[d]);
-      box[3 + d] = std::max(box[3 + d], p[d]);
-    }
-  max_in_place(comm, box);
-  TensionBasis basis{Vec3(-box[0], -box[1], -box[2]), spacing, {}};
-  for (int d = 0; d < 3; ++d) basis.wide[d] = box[3 + d] + box[d] > 0.5 * spacing;
+  const BoundingBox box = bounding_box(comm, nodes);
+  TensionBasis basis{box.lowest, spacing, {}};
+  for (int d = 0; d < 3; ++d) basis.wide[d] = box.highest[d] - box.lowest[d] > 0.5 * spacing;
   return basis;
 }
 

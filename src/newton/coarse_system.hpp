@@ -68,7 +68,7 @@ private:
 
   const DistributedMesh& mesh_;
   const VertexMultigrid& grids_;
-  std::vector<RowEdge> row_edges_;
+  std::span<const RowEdge> row_edges_;
   std::size_t level_ = 0;
   Unknown node_unknowns_ = 0, unknowns_ = 0;
   std::vector<std::size_t> tension_begin_{0};
