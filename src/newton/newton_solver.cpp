@@ -12,7 +12,7 @@ namespace taut {
 
 namespace {
 
-constexpr double row_tolerance = 0.03;
+constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
 
 double total_mass(const Cloth& cloth) {
