@@ -14,6 +14,13 @@ double floor_of(double gap, double thickness) {
   return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
 }
 
+bool is_finite(const Scene& scene) {
+  const auto all = [](const std::vector<Vec3>& x) {
+    return std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.allFinite(); });
+  };
+  return all(scene.cloth) && all(scene.obstacles);
+}
+
 } // namespace
 
 void SafeIterate::begin() {
@@ -32,7 +39,7 @@ double SafeIterate::safe_fraction_to_target() {
   scene_.gather_target();
   stuck_.clear();
   const ContactSearch& search = scene_.search;
-  double alpha = 1;
+  double alpha = is_finite(scene_.target) ? 1 : 0;
   for (std::size_t k = 0; k < search.pairs().size(); ++k) {
     const Pair& pair = search.pairs()[k];
     const Four x = at(pair, field_);
