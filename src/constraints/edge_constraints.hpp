@@ -10,7 +10,7 @@ namespace taut {
 /// Tensions are told by mu = h^2 lambda: the force density of an edge is q = 2 mu/(l h^2), in N/m. Each
 /// constraint has a compliance c, the strain of an edge per newton of its tension, so that C = a mu with a =
 /// 4 l c/h^2. Without it a thread pulled straight between two pins makes systems singular: what little it may
-/// sag asks for a tension without bound. With contact a is bounded, see ConstraintUse.
+/// sag asks for a tension without bound. In short steps a is bounded, see bounded_compliance.
 class EdgeConstraints {
 public:
   /// `cloth` must outlive the constraints; no compliance in `options` is none.

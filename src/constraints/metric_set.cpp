@@ -101,7 +101,7 @@ void MetricSet::take_compliances() {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
     const double yields = 4.0 * inverse_mass_[i]; // about J W J^T of a row whose metric is 1
-    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(use_, asked, yields) : 1.0);
+    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, 1e-3) : 1.0);
   }
 }
 

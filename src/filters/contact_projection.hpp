@@ -26,8 +26,7 @@ struct ContactProjectionOptions {
 /// The filter remembers nothing from step to step: what the last one projected is part of the state
 /// (`Multipliers::projection_tension`), in newtons, because the next step may be of another size.
 ///
-/// Without a contact in reach it is Fast Projection in the metric of masses; a bound on the compliance tells
-/// where steps are very short.
+/// Without a contact in reach it is Fast Projection in the metric of masses.
 template<ConstraintSet Set>
 class ContactProjection : public VelocityFilter {
 public:
