@@ -59,7 +59,7 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   /// mu into the candidate, as forces and stresses. Not collective, but for ghosts.
   fixed.finish(candidate);
 
-  /// Without contact: (J W J^T + a) d_mu = C - a mu, to the relative tolerance given; d_mu is added to mu.
+  /// Alone: (J W J^T + a) d_mu = C - a mu, to the relative tolerance given; d_mu is added to mu.
   /// Collective.
   { set.solve(number) } -> std::same_as<SolveReport>;
   /// W J^T d_mu at an owned vertex, in m. Not collective.

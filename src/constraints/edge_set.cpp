@@ -10,7 +10,7 @@ namespace taut {
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : constraints_(cloth, options, use), options_(options), use_(use), change_(cloth.mesh.edges.size()),
       mu_(cloth.mesh.edges.size()) {
-  if (use != ConstraintUse::in_newton) system_.emplace(cloth.mesh, solver_options(options));
+  if (use == ConstraintUse::alone) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;
   yarns_.emplace(cloth.mesh);
   program_compliance_.resize(cloth.mesh.edges.owned);
@@ -22,14 +22,14 @@ void EdgeSet::start(const State& start, double dt, const Freedom& freedom, const
   constraints_.start(dt, freedom);
   constraints_.to_mu(candidate.multipliers.force_density, mu_);
   if (use_ == ConstraintUse::with_contact) added_.assign(mu_.size(), 0.0);
-  for (std::size_t e = 0; e < program_compliance_.size(); ++e) {
-    const auto& [a, b] = mesh().edge_vertices[e];
-    const bool is_held = inverse_mass()[a] + inverse_mass()[b] == 0;
-    program_compliance_[e] = is_held ? 1.0 : constraints_.scaled_compliance()[e];
-  }
 }
 
-double EdgeSet::evaluate(std::span<const Vec3> x) { return constraints_.evaluate(x); }
+double EdgeSet::evaluate(std::span<const Vec3> x) {
+  const double strain = constraints_.evaluate(x);
+  for (std::size_t e = 0; e < program_compliance_.size(); ++e)
+    program_compliance_[e] = constraints_.can_change(Local(e)) ? constraints_.scaled_compliance()[e] : 1.0;
+  return strain;
+}
 
 double EdgeSet::strain(std::span<const Vec3> x) const { return measure_strain(constraints_.cloth(), x).max; }
 
@@ -42,7 +42,7 @@ void EdgeSet::finish(Candidate& candidate) const {
 SolveReport EdgeSet::solve(double tolerance) {
   system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
   constraints_.residual(mu_, change_);
-  const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver == config::LinearSolver::cg;
+  const bool may_use_threads = options_.solver == config::LinearSolver::cg;
   if (!threads_ && may_use_threads && ThreadStiffness::is_needed(constraints_, mu_))
     threads_.emplace(constraints_.cloth(), system_->yarns());
   if (threads_) threads_->choose(constraints_, mu_);

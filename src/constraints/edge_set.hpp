@@ -61,7 +61,7 @@ private:
   EdgeConstraints constraints_;
   config::Inextensibility options_;
   ConstraintUse use_;
-  std::optional<ProjectionSystem> system_; ///< not in Newton's method
+  std::optional<ProjectionSystem> system_; ///< alone
   std::optional<ThreadStiffness> threads_; ///< made when it is first needed
   std::optional<YarnSystem> yarns_;        ///< not alone
   const State* start_ = nullptr;           ///< of the step in hand
