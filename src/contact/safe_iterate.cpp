@@ -56,6 +56,22 @@ double SafeIterate::safe_fraction_to_target() {
   return -max_over(scene_.cloth().mesh.comm, -alpha);
 }
 
+/// A gap shrinks by no more than its features close along the direction between them.
+double SafeIterate::smallest_gap_at_target() const {
+  const ContactSearch& search = scene_.search;
+  double least = HUGE_VAL;
+  for (std::size_t k = 0; k < search.pairs().size(); ++k) {
+    const Pair& pair = search.pairs()[k];
+    const Four x = at(pair, field_), y = at(pair, scene_.target_field());
+    Four u;
+    for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
+    const Approach& here = approaches_[k];
+    if (here.gap - std::max(0.0, closing_speed(pair, u, here.normal)) < least)
+      least = std::min(least, approach(pair, y).gap);
+  }
+  return -max_over(scene_.cloth().mesh.comm, -least);
+}
+
 void SafeIterate::move(double fraction) {
   if (fraction == 1.0) {
     here_ = scene_.target;

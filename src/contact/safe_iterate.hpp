@@ -30,6 +30,10 @@ public:
   /// so far. 0 for a target that is not a number. Collective.
   double safe_fraction_to_target();
 
+  /// The smallest gap, in m, of all pairs where the target is, to which it was safe to go; infinite if there
+  /// are none. Collective.
+  double smallest_gap_at_target() const;
+
   /// Not collective.
   void move(double fraction);
 

@@ -56,6 +56,7 @@ void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidat
   apply_filters(start, freedom, candidate, report);
   set_positions(start, candidate);
   if (config::is_filter(limits_.method)) add_pull(start.state, freedom, candidate);
+  add_pressure(start.state, freedom, candidate);
 }
 
 void FilterChain::apply_filters(const StepStart& start, const Freedom& freedom, Candidate& candidate,
@@ -85,6 +86,15 @@ void FilterChain::add_pull(const State& state, const Freedom& freedom, Candidate
               (candidate.positions[end.other] - candidate.positions[i]);
     candidate.reported.reaction[i] -= freedom.denied(i, pull);
   }
+}
+
+/// They are kept against what contacts press as well, beyond what the prediction carried of it.
+void FilterChain::add_pressure(const State& state, const Freedom& freedom, Candidate& candidate) const {
+  const std::vector<Vec3>& pressed = candidate.reported.contact_force;
+  for (Local i = 0; i < Local(pressed.size()); ++i)
+    if (!freedom.is_free(i))
+      candidate.reported.reaction[i] -=
+          freedom.denied(i, pressed[i] - state.multipliers.carried_contact_force[i]);
 }
 
 /// What the prediction carries of a force density of the step before.
