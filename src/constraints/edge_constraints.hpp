@@ -13,9 +13,10 @@ namespace taut {
 /// sag asks for a tension without bound. In short steps a is bounded, see bounded_compliance.
 class EdgeConstraints {
 public:
-  /// `cloth` must outlive the constraints; no compliance in `options` is none.
+  /// `cloth` must outlive the constraints; no compliance in `options` is none. The scaled one is at most a
+  /// part, `most_compliance`, of what an edge yields.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  ConstraintUse use = ConstraintUse::alone);
+                  ConstraintUse use = ConstraintUse::alone, double most_compliance = 1e-3);
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -50,7 +51,7 @@ public:
 
 private:
   const Cloth& cloth_;
-  double compliance_; ///< c, in 1/N
+  double compliance_, most_compliance_; ///< c, in 1/N; of what an edge yields
   ConstraintUse use_;
   double dt_ = 0;
   Freedom freedom_;

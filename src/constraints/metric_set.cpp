@@ -100,9 +100,17 @@ bool MetricSet::can_change(Local vertex) const {
 void MetricSet::take_compliances() {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
-    const double yields = 4.0 * inverse_mass_[i]; // about J W J^T of a row whose metric is 1
+    const double yields = 4.0 * inverse_mass_around(i); // about J W J^T of a row whose metric is 1
     scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, 1e-3) : 1.0);
   }
+}
+
+/// Of a vertex; alone, if it is held, the largest of its neighbours.
+double MetricSet::inverse_mass_around(Local vertex) const {
+  double result = inverse_mass_[vertex];
+  if (result > 0 || use_ != ConstraintUse::alone) return result;
+  for (const EdgeEnd& end : cloth_.mesh.star_of(vertex)) result = std::max(result, inverse_mass_[end.other]);
+  return result;
 }
 
 void MetricSet::factor(std::span<const double> metric) {

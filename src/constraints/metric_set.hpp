@@ -68,6 +68,7 @@ private:
   void fill_columns();
   void take_compliances();
   bool can_change(Local vertex) const;
+  double inverse_mass_around(Local vertex) const;
   SolverOptions options_of_system() const;
   Vec2 carried(const Vec2& stress) const;
   void spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const;
