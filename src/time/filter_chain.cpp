@@ -6,6 +6,7 @@
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
+#include "src/forces/carried_tension.hpp"
 
 #include <algorithm>
 
@@ -99,7 +100,7 @@ void FilterChain::add_pressure(const State& state, const Freedom& freedom, Candi
 
 /// What the prediction carries of a force density of the step before.
 double FilterChain::carried(double force_density) const {
-  return limits_.carried_tension ? std::max(force_density, 0.0) : 0.0;
+  return limits_.carried_tension ? taut::carried(force_density, pushes_of(*limits_.constrain)) : 0.0;
 }
 
 } // namespace taut
