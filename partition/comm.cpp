@@ -1,6 +1,9 @@
 #include "partition/comm.hpp"
 
+#include "partition/item_type.hpp"
+
 #include <limits>
+#include <stdexcept>
 
 namespace taut {
 
@@ -74,10 +77,7 @@ std::vector<Global> offsets_of_incoming(MPI_Comm comm, std::span<const int> coun
 
 void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<const int> counts,
                     std::span<std::byte> received, std::span<const Global> offsets, std::size_t item_size) {
-  // Counting items, not bytes, keeps MPI's int counts valid for messages beyond 2 GiB.
-  MPI_Datatype item;
-  MPI_Type_contiguous(int(item_size), MPI_BYTE, &item);
-  MPI_Type_commit(&item);
+  const ItemType item(item_size);
   std::vector<MPI_Request> requests;
   constexpr int tag = 101;
   for (int r = 0; r < size_of(comm); ++r) {
@@ -93,10 +93,11 @@ void exchange_bytes(MPI_Comm comm, std::span<const std::byte> items, std::span<c
     at += std::size_t(counts[r]) * item_size;
   }
   MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-  MPI_Type_free(&item);
 }
 
 std::vector<std::byte> gather_bytes(MPI_Comm comm, std::span<const std::byte> mine) {
+  if (sum_over(comm, Global(mine.size())) > std::numeric_limits<int>::max())
+    throw std::length_error("what all ranks have is too much to be gathered on each of them");
   const int count = int(mine.size());
   std::vector<int> counts(size_of(comm)), offsets(counts.size(), 0);
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);

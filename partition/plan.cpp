@@ -1,5 +1,6 @@
 #include "partition/plan.hpp"
 
+#include "partition/item_type.hpp"
 #include "partition/traffic.hpp"
 
 #include <algorithm>
@@ -38,16 +39,17 @@ Plan::Plan(MPI_Comm comm, std::span<const int> send_to, std::span<const Local> s
 void Plan::start(const Side& to, const Side& from, std::span<const std::byte> out, std::span<std::byte> in,
                  std::size_t item_size) const {
   const HaloScope halo;
+  const detail::ItemType item(item_size);
   constexpr int tag = 102;
   requests_.clear();
   for (std::size_t k = 0; k < from.ranks.size(); ++k) {
-    const std::size_t begin = from.offsets[k] * item_size, end = from.offsets[k + 1] * item_size;
-    MPI_Irecv(in.data() + begin, int(end - begin), MPI_BYTE, from.ranks[k], tag, comm_,
+    const std::size_t begin = from.offsets[k], end = from.offsets[k + 1];
+    MPI_Irecv(in.data() + begin * item_size, int(end - begin), item, from.ranks[k], tag, comm_,
               &requests_.emplace_back());
   }
   for (std::size_t k = 0; k < to.ranks.size(); ++k) {
-    const std::size_t begin = to.offsets[k] * item_size, end = to.offsets[k + 1] * item_size;
-    MPI_Isend(out.data() + begin, int(end - begin), MPI_BYTE, to.ranks[k], tag, comm_,
+    const std::size_t begin = to.offsets[k], end = to.offsets[k + 1];
+    MPI_Isend(out.data() + begin * item_size, int(end - begin), item, to.ranks[k], tag, comm_,
               &requests_.emplace_back());
   }
 }

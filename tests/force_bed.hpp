@@ -80,7 +80,11 @@ inline std::unique_ptr<Force> damped_shear(const Bed& b) {
 }
 inline std::unique_ptr<Force> drag(const Bed& b) { return std::make_unique<AirDrag>(b.cloth, air); }
 inline std::unique_ptr<Force> tension(const Bed& b) {
-  return std::make_unique<CarriedTension>(b.cloth, b.pattern);
+  return std::make_unique<CarriedTension>(b.cloth, b.pattern, Pushes::left);
+}
+
+inline std::unique_ptr<Force> tension_and_pushes(const Bed& b) {
+  return std::make_unique<CarriedTension>(b.cloth, b.pattern, Pushes::carried);
 }
 inline std::unique_ptr<Force> gravity(const Bed& b) {
   return std::make_unique<Gravity>(b.cloth, oblique_gravity);

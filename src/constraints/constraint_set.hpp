@@ -11,16 +11,15 @@ namespace taut {
 /// What a set of constraints is used for.
 enum class ConstraintUse {
   alone,
-  with_contact, ///< the compliance is bounded: see bounded_compliance
-  in_newton     ///< the same, and multipliers of the last step are taken whole, pushes too
+  with_contact,
+  in_newton ///< multipliers of the last step are taken whole, pushes too
 };
 
-/// The scaled compliance a of a row: what is asked, which grows as 1/h^2; under contact no more than a small
-/// part of what the row yields by its masses, so that halving a step in which something strikes hard does not
-/// soften the cloth; so it is in Newton's method.
-inline double bounded_compliance(ConstraintUse use, double asked, double yields) {
-  constexpr double most = 1e-3;
-  return use == ConstraintUse::alone ? asked : std::min(asked, most * yields);
+/// The scaled compliance a of a row: what is asked, which grows as 1/h^2, but no more than a small part of
+/// what the row yields by its masses, so that halving a step in which something strikes or pulls hard does
+/// not soften the cloth.
+inline double bounded_compliance(double asked, double yields, double most_part) {
+  return std::min(asked, most_part * yields);
 }
 
 /// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the
@@ -60,7 +59,7 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   /// mu into the candidate, as forces and stresses. Not collective, but for ghosts.
   fixed.finish(candidate);
 
-  /// Without contact: (J W J^T + a) d_mu = C - a mu, to the relative tolerance given; d_mu is added to mu.
+  /// Alone: (J W J^T + a) d_mu = C - a mu, to the relative tolerance given; d_mu is added to mu.
   /// Collective.
   { set.solve(number) } -> std::same_as<SolveReport>;
   /// W J^T d_mu at an owned vertex, in m. Not collective.

@@ -8,9 +8,9 @@
 namespace taut {
 
 EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                                 ConstraintUse use)
-    : cloth_(cloth), compliance_(options.compliance.value_or(0.0)), use_(use),
-      gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned),
+                                 ConstraintUse use, double most_compliance)
+    : cloth_(cloth), compliance_(options.compliance.value_or(0.0)), most_compliance_(most_compliance),
+      use_(use), gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned),
       scaled_compliance_(cloth.mesh.edges.owned), inverse_mass_(cloth.mesh.vertices.size()) {
   if (use == ConstraintUse::with_contact) lengths_.resize(cloth.mesh.edges.owned);
 }
@@ -23,7 +23,7 @@ void EdgeConstraints::start(double dt, const Freedom& freedom) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
     const double asked = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
     const double yields = 4.0 * (inverse_mass_[a] + inverse_mass_[b]); // J W J^T of an edge at its length
-    scaled_compliance_[e] = bounded_compliance(use_, asked, yields);
+    scaled_compliance_[e] = bounded_compliance(asked, yields, most_compliance_);
   }
 }
 

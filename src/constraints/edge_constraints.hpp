@@ -10,12 +10,13 @@ namespace taut {
 /// Tensions are told by mu = h^2 lambda: the force density of an edge is q = 2 mu/(l h^2), in N/m. Each
 /// constraint has a compliance c, the strain of an edge per newton of its tension, so that C = a mu with a =
 /// 4 l c/h^2. Without it a thread pulled straight between two pins makes systems singular: what little it may
-/// sag asks for a tension without bound. With contact a is bounded, see ConstraintUse.
+/// sag asks for a tension without bound. In short steps a is bounded, see bounded_compliance.
 class EdgeConstraints {
 public:
-  /// `cloth` must outlive the constraints; no compliance in `options` is none.
+  /// `cloth` must outlive the constraints; no compliance in `options` is none. The scaled one is at most a
+  /// part, `most_compliance`, of what an edge yields.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  ConstraintUse use = ConstraintUse::alone);
+                  ConstraintUse use = ConstraintUse::alone, double most_compliance = 1e-3);
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -50,7 +51,7 @@ public:
 
 private:
   const Cloth& cloth_;
-  double compliance_; ///< c, in 1/N
+  double compliance_, most_compliance_; ///< c, in 1/N; of what an edge yields
   ConstraintUse use_;
   double dt_ = 0;
   Freedom freedom_;

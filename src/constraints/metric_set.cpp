@@ -14,7 +14,7 @@ MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options,
     : cloth_(cloth), options_(options), use_(use), metric_(cloth), inverse_mass_(cloth.mesh.vertices.size()),
       gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned), residual_(metrics_),
       scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
-      edge_values_(cloth.mesh.edges.size()), edge_sum_(edge_values_) {
+      edge_values_(cloth.mesh.edges.size()) {
   for (const double area : cloth.measure) scale_.push_back(std::sqrt(area));
   find_columns();
   system_.emplace(cloth.mesh, column_begin_, column_rows_, options_of_system());
@@ -49,14 +49,8 @@ void MetricSet::start(const State& start, double dt, const Freedom& freedom, con
   freedom_ = freedom;
   take_inverse_masses(cloth_, freedom, inverse_mass_);
   for (std::size_t i = 0; i < mu_.size(); ++i)
-    mu_[i] = options_.carried_tension ? Vec2(0.5 * dt * dt * scale_[i] * carried(start.multipliers.stress[i]))
+    mu_[i] = options_.carried_tension ? Vec2(0.5 * dt * dt * scale_[i] * start.multipliers.stress[i])
                                       : Vec2(Vec2::Zero());
-  edge_sum_.assign(edge_sum_.size(), 0.0);
-}
-
-/// The prediction of the other methods knows no pushes.
-Vec2 MetricSet::carried(const Vec2& stress) const {
-  return use_ == ConstraintUse::in_newton ? stress : Vec2(stress.cwiseMax(0.0));
 }
 
 double MetricSet::evaluate(std::span<const Vec3> x) {
@@ -100,9 +94,17 @@ bool MetricSet::can_change(Local vertex) const {
 void MetricSet::take_compliances() {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
-    const double yields = 4.0 * inverse_mass_[i]; // about J W J^T of a row whose metric is 1
-    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(use_, asked, yields) : 1.0);
+    const double yields = 4.0 * inverse_mass_around(i); // about J W J^T of a row whose metric is 1
+    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, 1e-3) : 1.0);
   }
+}
+
+/// Of a vertex; alone, if it is held, the largest of its neighbours.
+double MetricSet::inverse_mass_around(Local vertex) const {
+  double result = inverse_mass_[vertex];
+  if (result > 0 || use_ != ConstraintUse::alone) return result;
+  for (const EdgeEnd& end : cloth_.mesh.star_of(vertex)) result = std::max(result, inverse_mass_[end.other]);
+  return result;
 }
 
 void MetricSet::factor(std::span<const double> metric) {
@@ -121,7 +123,9 @@ SolveReport MetricSet::solve(double tolerance) {
   factor(inverse_mass_);
   residual({residual_.data()->data(), rows()});
   SolveReport report = system_->solve(residual_, tolerance, change_);
-  if (report.failure.empty()) add_change();
+  if (!report.failure.empty()) return report;
+  add_change();
+  spread_to_edges(change_, edge_values_);
   return report;
 }
 
@@ -180,8 +184,6 @@ std::vector<RowPlace> MetricSet::row_places() const {
 
 void MetricSet::add_change() {
   for (std::size_t i = 0; i < mu_.size(); ++i) mu_[i] += change_[i];
-  spread_to_edges(change_, edge_values_);
-  for (std::size_t e = 0; e < edge_sum_.size(); ++e) edge_sum_[e] += edge_values_[e];
 }
 
 Vec3 MetricSet::displacement(Local vertex) const {
@@ -193,11 +195,8 @@ void MetricSet::finish(Candidate& candidate) const {
   for (std::size_t i = 0; i < mu_.size(); ++i)
     candidate.multipliers.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
   std::vector<double>& force_density = candidate.multipliers.force_density;
-  if (use_ == ConstraintUse::in_newton) {
-    spread_to_edges(mu_, force_density);
-    for (double& q : force_density) q *= 2.0 / (dt_ * dt_);
-  } else
-    for (std::size_t e = 0; e < edge_sum_.size(); ++e) force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
+  spread_to_edges(mu_, force_density);
+  for (double& q : force_density) q *= 2.0 / (dt_ * dt_);
   // an edge far from owned vertices lacks triangles
   cloth_.mesh.edge_halo.update(force_density);
 }

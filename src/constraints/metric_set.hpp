@@ -69,8 +69,8 @@ private:
   void fill_columns();
   void take_compliances();
   bool can_change(Local vertex) const;
+  double inverse_mass_around(Local vertex) const;
   SolverOptions options_of_system() const;
-  Vec2 carried(const Vec2& stress) const;
   void spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const;
   void add_change();
 
@@ -91,7 +91,7 @@ private:
   std::vector<std::array<Vec3, 2>> columns_; ///< dC/dx of each row that a vertex has a part in
   std::vector<Vec2> metrics_, residual_, scaled_compliance_; ///< of owned vertices
   std::vector<Vec2> change_, mu_;                            ///< of local vertices
-  std::vector<double> edge_values_, edge_sum_; ///< of z by squared length, and of d_mu over the step
+  std::vector<double> edge_values_;                          ///< of z, or d_mu, by squared length
 };
 
 } // namespace taut

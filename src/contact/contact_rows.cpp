@@ -35,6 +35,7 @@ void ContactRows::make(int iteration) {
   rows_.clear();
   if (count_ > 0) recall();
   for (Local k = 0; k < Local(contacts_.size()); ++k) {
+    turn_impulse(k);
     add_normal_row(k, iteration);
     add_friction_rows(k, iteration);
   }
@@ -125,6 +126,15 @@ void ContactRows::recall() {
     known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed};
 }
 
+/// What has pressed and rubbed a contact, told by the normal that it has now.
+void ContactRows::turn_impulse(Local k) {
+  ContactImpulse& impulse = records_[k]->impulse;
+  const Vec3& normal = contacts_[k].normal;
+  const double along = normal.dot(impulse.tangent);
+  impulse.normal = std::max(0.0, impulse.normal + along);
+  impulse.tangent -= along * normal;
+}
+
 void ContactRows::add_normal_row(Local k, int iteration) {
   const Contact& contact = contacts_[k];
   const ContactRecord& record = *records_[k];
@@ -156,7 +166,7 @@ void ContactRows::add_friction_rows(Local k, int iteration) {
     normal_impulse =
         record.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
   const double most = contact.friction * normal_impulse;
-  if (most <= 0) return;
+  if (most <= 0 && record.impulse.tangent.isZero(0)) return;
   const Vec3 slip = slip_of(contact);
   const Vec3 rubbed = record.impulse.tangent;
   const Vec3 needed = rubbed - slip / contact.inverse_effective_mass;
@@ -169,6 +179,41 @@ void ContactRows::add_friction_rows(Local k, int iteration) {
     if (bound > 0 || so_far != 0)
       rows_.push_back(
           {k, false, tangent, -tangent.dot(slip), -bound - so_far, bound - so_far, slip_left * fall_, guess});
+  }
+}
+
+/// The second tangent gets what the first leaves of the cone.
+void ContactRows::limit_friction(std::span<const double> z, std::span<double> lower,
+                                 std::span<double> upper) const {
+  double most = 0, left = 0; // kg m: of the contact, and for the next row
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    const Local k = rows_[row].contact;
+    const ContactImpulse& before = records_[k]->impulse;
+    if (rows_[row].is_normal) {
+      left = most = contacts_[k].friction * std::max(0.0, before.normal + z[row]);
+      continue;
+    }
+    const double so_far = rows_[row].direction.dot(before.tangent);
+    lower[row] = -left - so_far;
+    upper[row] = left - so_far;
+    const double rubs = std::min(left, std::abs(so_far + z[row]));
+    left = std::sqrt(most * most - rubs * rubs);
+  }
+}
+
+/// Rows of one contact stand together, the normal one first.
+void ContactRows::keep_in_cones(std::span<double> z) const {
+  for (std::size_t first = 0, last = 0; first < rows_.size(); first = last) {
+    const Local k = rows_[first].contact;
+    const ContactImpulse& before = records_[k]->impulse;
+    Vec3 tangent = before.tangent;
+    for (last = first + 1; last < rows_.size() && rows_[last].contact == k; ++last)
+      tangent += z[last] * rows_[last].direction;
+    const double most = contacts_[k].friction * std::max(0.0, before.normal + z[first]),
+                 length = tangent.norm();
+    if (length <= most) continue;
+    const Vec3 kept = (most / length) * tangent - before.tangent;
+    for (std::size_t row = first + 1; row < last; ++row) z[row] = rows_[row].direction.dot(kept);
   }
 }
 

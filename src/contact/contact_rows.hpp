@@ -9,8 +9,10 @@ namespace taut {
 
 /// The contacts of a step and their rows in a quadratic program: a normal one that asks for the thickness,
 /// and for a contact that is pressed two of friction. Friction is Coulomb's, implicit: a row for each of two
-/// tangents asks for no slip over the step, with a multiplier of at most the coefficient times the normal one
-/// of the iteration before (in the first iteration, of the step before).
+/// tangents asks for no slip over the step, with a multiplier of at most the coefficient times the normal
+/// one: first that of the iteration before (in the first iteration, of the step before), then that which the
+/// program finds (limit_friction). What programs leave beyond Coulomb's cone at the end is cut off
+/// (keep_in_cones), so that the law holds for every contact of every step.
 ///
 /// Nothing is remembered here from step to step: what the last one pressed and carried is part of the state
 /// (`Multipliers::contacts`), in newtons, because the next step may be of another size. When a rank makes the
@@ -31,6 +33,13 @@ public:
   /// Those of the pairs that are near at the safe iterate or at the target, in iteration `iteration` of the
   /// step, from 1. Collective.
   void make(int iteration);
+
+  /// Bounds of the increments of friction by the normal forces that the increments `z` make. Not collective.
+  void limit_friction(std::span<const double> z, std::span<double> lower, std::span<double> upper) const;
+
+  /// Shortens what increments `z` of the rows' multipliers make of friction to what Coulomb allows for what
+  /// they make of normal forces. Not collective.
+  void keep_in_cones(std::span<double> z) const;
 
   /// Adds the increments `z` of the rows' multipliers to what the contacts press and rub. Not collective.
   void add(std::span<const double> z);
@@ -59,6 +68,7 @@ private:
   void add_contact(const Pair& pair, const Approach& here);
   void add_corners(const Pair& pair, const Approach& here);
   void recall();
+  void turn_impulse(Local contact);
   void add_normal_row(Local contact, int iteration);
   void add_friction_rows(Local contact, int iteration);
   Vec3 slip_of(const Contact& contact) const;

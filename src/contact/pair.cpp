@@ -50,8 +50,9 @@ double safe_fraction(const Pair& pair, const Four& x, const Four& u, double floo
     const Approach here = approach(pair, now);
     const double speed = closing_speed(pair, u, here.normal), room = here.gap - floor;
     if (room >= (1 - t) * speed) return 1.0;
-    if (room <= 0) return t;
-    t += part_of_bound * room / speed;
+    const double way = part_of_bound * room / speed;
+    if (!(room > 0 && way > 0)) return t; // also where something is not a number
+    t += way;
   }
   return t;
 }

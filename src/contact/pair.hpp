@@ -40,7 +40,7 @@ double closing_speed(const Pair& pair, const Four& u, const Vec3& normal);
 /// The largest fraction of the motion x -> x + u, at most 1, on all of which the gap of the pair stays at or
 /// above `floor` (m, below the gap at x). Conservative additive advancement [Li et al. 2021, ACCD] with the
 /// bound that a direction which separates two convex features gives: as long as the vertices do not use up
-/// their separation along it, the features stay apart.
+/// their separation along it, the features stay apart. 0 where a position or a motion is not a number.
 double safe_fraction(const Pair& pair, const Four& x, const Four& u, double floor);
 
 } // namespace taut

@@ -14,6 +14,13 @@ double floor_of(double gap, double thickness) {
   return gap > 0.25 * thickness ? std::max(0.2 * gap, 0.25 * thickness) : 0.8 * gap;
 }
 
+bool is_finite(const Scene& scene) {
+  const auto all = [](const std::vector<Vec3>& x) {
+    return std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.allFinite(); });
+  };
+  return all(scene.cloth) && all(scene.obstacles);
+}
+
 } // namespace
 
 void SafeIterate::begin() {
@@ -32,7 +39,7 @@ double SafeIterate::safe_fraction_to_target() {
   scene_.gather_target();
   stuck_.clear();
   const ContactSearch& search = scene_.search;
-  double alpha = 1;
+  double alpha = is_finite(scene_.target) ? 1 : 0;
   for (std::size_t k = 0; k < search.pairs().size(); ++k) {
     const Pair& pair = search.pairs()[k];
     const Four x = at(pair, field_);
@@ -47,6 +54,22 @@ double SafeIterate::safe_fraction_to_target() {
     alpha = std::min(alpha, part);
   }
   return -max_over(scene_.cloth().mesh.comm, -alpha);
+}
+
+/// A gap shrinks by no more than its features close along the direction between them.
+double SafeIterate::smallest_gap_at_target() const {
+  const ContactSearch& search = scene_.search;
+  double least = HUGE_VAL;
+  for (std::size_t k = 0; k < search.pairs().size(); ++k) {
+    const Pair& pair = search.pairs()[k];
+    const Four x = at(pair, field_), y = at(pair, scene_.target_field());
+    Four u;
+    for (int i = 0; i < 4; ++i) u[i] = y[i] - x[i];
+    const Approach& here = approaches_[k];
+    if (here.gap - std::max(0.0, closing_speed(pair, u, here.normal)) < least)
+      least = std::min(least, approach(pair, y).gap);
+  }
+  return -max_over(scene_.cloth().mesh.comm, -least);
 }
 
 void SafeIterate::move(double fraction) {

@@ -27,8 +27,12 @@ public:
 
   /// The fraction of the way to the target on which no pair comes too near, the same for all vertices: what
   /// moves together would come as near as it moves if some of it stayed behind, and the search does not look
-  /// so far. Collective.
+  /// so far. 0 for a target that is not a number. Collective.
   double safe_fraction_to_target();
+
+  /// The smallest gap, in m, of all pairs where the target is, to which it was safe to go; infinite if there
+  /// are none. Collective.
+  double smallest_gap_at_target() const;
 
   /// Not collective.
   void move(double fraction);

@@ -3,7 +3,6 @@
 #include "partition/traffic.hpp"
 #include "src/constraints/edge_set.hpp"
 #include "src/constraints/metric_set.hpp"
-#include "src/constraints/projection_options.hpp"
 
 #include <fmt/format.h>
 
@@ -18,6 +17,12 @@ namespace {
 /// constraints' curvature leaves more of it than so few products do. Nearer, the step is done if no row is
 /// left beyond the limit.
 constexpr QpEffort effort_far{20}, effort_near{40, 80, 0.8 / program_strain_left};
+
+/// Of the same program with friction bounded by the normal forces that it found. (Three such rounds save less
+/// than they cost. Cut off without any, friction leaves so much strain that an impact on cases/sphere takes
+/// three times the iterations; without what is too low in its bounds made good, patches slide too fast.)
+constexpr QpEffort effort_again{10};
+
 constexpr double far = 10.0;
 
 constexpr double slack = 1.0;      ///< of the thickness: how far cloth may stray before a search is extended
@@ -44,13 +49,18 @@ ContactProjection<Set>::ContactProjection(const Cloth& cloth, const Obstacles& o
                                           const ContactProjectionOptions& options)
     : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles),
       safe_(scene_, thickness_), rows_(scene_, safe_, thickness_, options_.contact, options.gravity),
-      set_(cloth, options.limits, ConstraintUse::with_contact), qp_(cloth, scene_.search) {}
+      alone_(cloth, options.limits), set_(cloth, options.limits, ConstraintUse::with_contact),
+      qp_(cloth, scene_.search) {}
 
 template<ConstraintSet Set>
 FilterReport ContactProjection<Set>::apply(const State& start, double dt, const Freedom& freedom,
                                            Candidate& candidate) {
   FilterReport report;
-  begin(start, dt, freedom, candidate);
+  const double kept = std::max(0.0, 1 - dt / (settling * options_.longest_step));
+  scene_.begin(start, dt, candidate.velocities);
+  scene_.restrict_to(freedom);
+  safe_.begin();
+  rows_.begin(start.multipliers.contacts, dt, kept);
   if (const double strain = set_.strain(scene_.target.cloth); !(strain <= most_strain)) {
     report.failure = fmt::format("without projection edges would strain by {:.3g}", strain);
     return report;
@@ -59,8 +69,12 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
     scene_.search.find(safe_.motion(), thickness_.largest_near(), slack * thickness_.largest());
     update_pairs(0);
   });
-  for (iteration_ = 1;; ++iteration_) {
-    rows_.make(iteration_);
+  rows_.make(1);
+  if (rows_.count() == 0 && ends_alone(start, dt, freedom, candidate, report)) return report;
+  set_.start(start, dt, freedom, candidate);
+  set_.keep_strain(kept);
+  behind_ = HUGE_VAL;
+  for (iteration_ = 1;; rows_.make(++iteration_)) {
     report.failure = project(report);
     rows_.report_forces(candidate); // before another search renumbers what the rows refer to
     count_contacts(report);
@@ -70,19 +84,6 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
   return report;
 }
 
-template<ConstraintSet Set>
-void ContactProjection<Set>::begin(const State& start, double dt, const Freedom& freedom,
-                                   const Candidate& candidate) {
-  const double kept = std::max(0.0, 1 - dt / (settling * options_.longest_step));
-  scene_.begin(start, dt, candidate.velocities);
-  scene_.restrict_to(freedom);
-  safe_.begin();
-  rows_.begin(start.multipliers.contacts, dt, kept);
-  set_.start(start, dt, freedom, candidate);
-  set_.keep_strain(kept);
-  behind_ = HUGE_VAL;
-}
-
 /// Of which the first `known` were there when gaps were last measured.
 template<ConstraintSet Set>
 void ContactProjection<Set>::update_pairs(std::size_t known) {
@@ -90,24 +91,47 @@ void ContactProjection<Set>::update_pairs(std::size_t known) {
   safe_.measure_gaps(known);
 }
 
+/// Fast Projection, where no contact is in reach; false if it would lead to one.
+template<ConstraintSet Set>
+bool ContactProjection<Set>::ends_alone(const State& start, double dt, const Freedom& freedom,
+                                        Candidate& candidate, FilterReport& report) {
+  Candidate alone = candidate;
+  const FilterReport projected = alone_.apply(start, dt, freedom, alone);
+  report += projected;
+  if (projected.failure.empty()) {
+    std::swap(scene_.target.cloth, alone.positions);
+    double fraction = 0;
+    timed(report, [&] {
+      if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
+      fraction = safe_.safe_fraction_to_target();
+    });
+    rows_.make(1);
+    if (fraction < 1 || rows_.count() > 0) {
+      std::swap(scene_.target.cloth, alone.positions);
+      rows_.make(1);
+      return false;
+    }
+    timed(report, [&] { report.smallest_gap = safe_.smallest_gap_at_target(); });
+  }
+  report.failure = projected.failure;
+  report.too_costly = projected.too_costly;
+  candidate = std::move(alone);
+  return true;
+}
+
 /// Moves the target to where constraints and contacts want it; returns why it cannot.
 template<ConstraintSet Set>
 std::string ContactProjection<Set>::project(FilterReport& report) {
   std::vector<Vec3>& target = scene_.target.cloth;
-  const DistributedMesh& mesh = scene_.cloth().mesh;
   const double strain = set_.evaluate(target), limit = options_.limits.strain;
   if (!std::isfinite(strain)) return "the positions are no longer finite";
   ++report.iterations;
-  if (rows_.count() == 0) {
-    const SolveReport solved = set_.solve(forcing(strain, limit));
-    report.linear_iterations += solved.iterations;
-    for (Local i = 0; i < mesh.vertices.owned; ++i) target[i] -= set_.displacement(i);
-    mesh.vertex_halo.update(target);
-    return solved.failure;
-  }
   const QpEffort& effort = strain > far * limit ? effort_far : effort_near;
   const QpGuess guess = iteration_ == 1 ? QpGuess::last_step : QpGuess::zero;
   report.linear_iterations += qp_.solve(set_, rows_.contacts(), rows_.rows(), effort, guess).products;
+  const auto by_normals = [this](auto z, auto lower, auto upper) { rows_.limit_friction(z, lower, upper); };
+  report.linear_iterations += qp_.solve_on(effort_again, by_normals).products;
+  rows_.keep_in_cones(qp_.row_part());
   const auto push = qp_.push();
   for (std::size_t i = 0; i < push.size(); ++i) target[i] += push[i];
   set_.add(qp_.set_part());
@@ -133,7 +157,10 @@ bool ContactProjection<Set>::ends_after_moving(FilterReport& report) {
   });
   safe_.move(fraction);
   const double strain = set_.strain(safe_.cloth()), limit = options_.limits.strain;
-  if (fraction == 1.0 && strain <= limit) return true;
+  if (fraction == 1.0 && strain <= limit) {
+    timed(report, [&] { report.smallest_gap = safe_.smallest_gap_at_target(); });
+    return true;
+  }
   if (iteration_ == options_.contact.max_iterations) {
     const std::string stopped = safe_.what_stopped();
     report.failure =

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/contact/contact_rows.hpp"
 #include "src/filters/contact_qp.hpp"
+#include "src/filters/fast_projection.hpp"
 #include "src/filters/velocity_filter.hpp"
 
 namespace taut {
@@ -26,8 +27,8 @@ struct ContactProjectionOptions {
 /// The filter remembers nothing from step to step: what the last one projected is part of the state
 /// (`Multipliers::projection_tension`), in newtons, because the next step may be of another size.
 ///
-/// Without a contact in reach it is Fast Projection in the metric of masses; a bound on the compliance tells
-/// where steps are very short.
+/// Where no contact is in reach, neither of the candidate nor of where Fast Projection leads from it, this is
+/// Fast Projection.
 template<ConstraintSet Set>
 class ContactProjection : public VelocityFilter {
 public:
@@ -38,7 +39,8 @@ public:
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
 private:
-  void begin(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
+  bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
+                  FilterReport& report);
   void update_pairs(std::size_t known);
   std::string project(FilterReport& report);
   void count_contacts(FilterReport& report) const;
@@ -50,6 +52,7 @@ private:
   ContactScene scene_;
   SafeIterate safe_;
   ContactRows rows_;
+  FastProjection<Set> alone_;
   Set set_;
   ContactQp<Set> qp_;
   int iteration_ = 0; ///< of the step in hand

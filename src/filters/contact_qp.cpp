@@ -26,6 +26,11 @@ QpReport ContactQp<Set>::solve(Set& set, std::span<const Contact> contacts, std:
   set.factor(set.inverse_mass());
   take_set(guess);
   take_rows(contacts, rows);
+  return solve(effort);
+}
+
+template<ConstraintSet Set>
+QpReport ContactQp<Set>::solve(const QpEffort& effort) {
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
                      [this](auto r, auto s) { precondition(r, s); },
                      rhs_,
@@ -33,9 +38,7 @@ QpReport ContactQp<Set>::solve(Set& set, std::span<const Contact> contacts, std:
                      contact_.lower,
                      contact_.upper,
                      tolerance_};
-  const QpReport report = taut::solve(cloth_.mesh.comm, qp, effort, z_);
-  spread(z_);
-  return report;
+  return taut::solve(cloth_.mesh.comm, qp, effort, z_);
 }
 
 template<ConstraintSet Set>

@@ -32,9 +32,21 @@ public:
 
   std::span<const double> set_part() const { return std::span(z_).first(set_rows_); }
   std::span<const double> row_part() const { return std::span(z_).subspan(set_rows_); }
+  std::span<double> row_part() { return std::span(z_).subspan(set_rows_); }
 
-  /// W R' z of the last solution, over local cloth vertices, ghosts current.
-  std::span<const Vec3> push() const { return push_; }
+  /// The same program with other bounds, which `limit(z, lower, upper)` gives for the rows of contacts and
+  /// where it ended, from there on. Collective.
+  template<class Limit>
+  QpReport solve_on(const QpEffort& effort, Limit&& limit) {
+    limit(row_part(), std::span(contact_.lower), std::span(contact_.upper));
+    return solve(effort);
+  }
+
+  /// W R' z, over local cloth vertices, ghosts current. Collective.
+  std::span<const Vec3> push() {
+    spread(z_);
+    return push_;
+  }
 
 private:
   /// A vertex of cloth in a contact.
@@ -58,6 +70,7 @@ private:
     std::vector<double> compliance;
   };
 
+  QpReport solve(const QpEffort& effort);
   void take_set(QpGuess guess);
   void take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows);
   void add_block(const Contact& contact);

@@ -1,16 +1,37 @@
 #pragma once
+#include "src/config/choices.hpp"
 #include "src/forces/force.hpp"
+
+#include <algorithm>
 
 namespace taut {
 
-/// The tension that held the cloth in the step before, carried into this one: force -L(q+) x and stiffness
-/// L(q+), where L is the Laplacian of the edges weighted by the force density q+ = max(q, 0) in N/m. The
-/// prediction of the step then lies near the constraint manifold already, and the projection only corrects
-/// the change of tension. A constraint force, so it has no energy. It is internal: total momentum is kept.
+/// Whether the edges that push carry that into the next step too.
+enum class Pushes { left, carried };
+
+inline Pushes pushes_of(config::Constrain constrain) {
+  return constrain == config::Constrain::vertices ? Pushes::carried : Pushes::left;
+}
+
+/// What a step carries of a force density of the last.
+inline double carried(double force_density, Pushes pushes) {
+  return pushes == Pushes::carried ? force_density : std::max(force_density, 0.0);
+}
+
+/// The tension that held the cloth in the step before, carried into this one: force -L(q) x and stiffness
+/// L(q+), where L is the Laplacian of the edges weighted by the force density q in N/m, and q+ = max(q, 0).
+/// The prediction of the step then lies near the constraint manifold already, and the projection only
+/// corrects the change of tension. A constraint force, so it has no energy. It is internal: total momentum is
+/// kept.
+///
+/// Where edges are constrained, those that push are left out of q: carried without stiffness, pushes are
+/// unstable. Where averaged metrics are, q is made of few stresses, and on a triangle of any shape some of it
+/// is negative though these pull: to leave that out would be to carry another stress than the multipliers
+/// say, and the difference would grow from step to step.
 class CarriedTension : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force.
-  CarriedTension(const Cloth& cloth, const Pattern& pattern);
+  CarriedTension(const Cloth& cloth, const Pattern& pattern, Pushes pushes);
 
   std::string_view name() const override { return "carried_tension"; }
   double energy(const State&) const override { return 0; }
@@ -18,6 +39,7 @@ public:
 
 private:
   const Cloth& cloth_;
+  Pushes pushes_;
   std::vector<std::int32_t>
       slots_; ///< of (vertex, other) for all edge ends around owned vertices, in the mesh's order
 };

@@ -61,7 +61,7 @@ template<int degree, class Value>
 template<int dimension, class Entry>
 void SplineGrid<degree, Value>::add_cell(const SparseRows& rows, std::span<const Entry> values, Local cell) {
   const auto near_cells = near(cell), reached = reach(cell);
-  const std::uint8_t* places = places_near(cell);
+  const Local* places = places_near(cell);
   auto& [room, row] = std::get<Room<Entry>>(room_);
   room.assign(per_cell_ * reached.size(), zero<Entry>());
   row.resize(reached.size());
@@ -74,7 +74,7 @@ void SplineGrid<degree, Value>::add_cell(const SparseRows& rows, std::span<const
       if (is_zero(s) || is_out(j)) continue;
       std::size_t k = 0;
       while (near_cells[k] != cells_.cell_of(j)) ++k;
-      const std::uint8_t* at = places + k * per_cell_;
+      const Local* at = places + k * per_cell_;
       for (const double w : cells_.template weights<dimension>(j)) row[*at++] += s * w;
     }
     Entry* block = room.data();

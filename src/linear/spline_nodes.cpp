@@ -175,7 +175,7 @@ void SplineNodes<degree>::find_reach() {
     for (const Local other : near(cell))
       for (const Local node : nodes_of(other))
         near_places_.push_back(
-            std::uint8_t(std::lower_bound(reached.begin(), reached.end(), node) - reached.begin()));
+            Local(std::lower_bound(reached.begin(), reached.end(), node) - reached.begin()));
     reach_.insert(reach_.end(), reached.begin(), reached.end());
     reach_offsets_.push_back(std::int64_t(reach_.size()));
   }

@@ -35,7 +35,7 @@ protected:
   Local own_points() const { return Local(cell_points_.size()); }
 
   /// Where the nodes of each cell near this one are in its reach.
-  const std::uint8_t* places_near(Local cell) const {
+  const Local* places_near(Local cell) const {
     return near_places_.data() + std::size_t(near_offsets_[cell]) * per_cell_;
   }
 
@@ -67,8 +67,8 @@ private:
   // Owned points by cell, and of each cell those with couplings to its points, itself included.
   std::vector<std::int64_t> cell_offsets_, reach_offsets_{0};
   std::vector<Local> cell_points_, near_;
-  std::vector<Local> reach_;              ///< all nodes of the cells near a cell, ascending
-  std::vector<std::uint8_t> near_places_; ///< of the nodes of each cell near it, in its reach
+  std::vector<Local> reach_;       ///< all nodes of the cells near a cell, ascending
+  std::vector<Local> near_places_; ///< of the nodes of each cell near it, in its reach
 
   std::unordered_map<Global, Local> local_; ///< by key; for set-up
   std::vector<Vec3> points_;

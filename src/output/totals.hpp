@@ -30,6 +30,7 @@ void visit_totals(T& totals, V& visit) {
   visit("contacts_max", totals.contacts_max);
   visit("contacts", totals.counts.contacts);
   visit("contacts_if_even", totals.counts.contacts_if_even);
+  visit("smallest_gap", totals.counts.smallest_gap);
   visit("intersections", totals.intersections);
   visit("strain_max", totals.strain_max);
   visit("face_strain_max", totals.face_strain_max);

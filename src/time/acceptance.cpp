@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace taut {
@@ -12,8 +13,17 @@ Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::option
   if (max_stretch_change || constrain_ == config::Constrain::vertices) tangents_ = tangents_of(cloth);
 }
 
+/// The limit may hold for none of what a vertex belongs to, and its velocity is part of the next step.
+bool Acceptance::is_finite(const Candidate& candidate) const {
+  const auto all = [](const std::vector<Vec3>& field) {
+    return std::all_of(field.begin(), field.end(), [](const Vec3& v) { return v.allFinite(); });
+  };
+  const bool mine = all(candidate.positions) && all(candidate.velocities) && all(candidate.end_velocities);
+  return !any_of(cloth_.mesh.comm, !mine);
+}
+
 std::string Acceptance::fault_of(const State& state, const Candidate& candidate, const Strain& strain) const {
-  if (!std::isfinite(strain.max)) return "positions are no longer numbers";
+  if (!std::isfinite(strain.max) || !is_finite(candidate)) return "positions are no longer numbers";
   if (is_beyond_limit(strain))
     return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
   return fault_of_stretch(state, candidate);

@@ -16,7 +16,10 @@ public:
   const StrainGauge& gauge() const { return gauge_; }
   std::optional<double> strain_limit() const { return strain_limit_; }
 
-  bool is_beyond_limit(const Strain& strain) const { return strain_limit_ && strain.max > *strain_limit_; }
+  /// Also where the strain is not a number.
+  bool is_beyond_limit(const Strain& strain) const {
+    return strain_limit_ && !(strain.max <= *strain_limit_);
+  }
 
   /// Why the step from `state` to `candidate`, with this strain at its end, cannot be accepted; empty if it
   /// can. Collective.
@@ -27,6 +30,7 @@ public:
   double face_strain(std::span<const Vec3> positions) const;
 
 private:
+  bool is_finite(const Candidate& candidate) const;
   std::string fault_of_stretch(const State& state, const Candidate& candidate) const;
 
   const Cloth& cloth_;

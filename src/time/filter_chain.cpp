@@ -6,6 +6,7 @@
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
+#include "src/forces/carried_tension.hpp"
 
 #include <algorithm>
 
@@ -56,6 +57,7 @@ void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidat
   apply_filters(start, freedom, candidate, report);
   set_positions(start, candidate);
   if (config::is_filter(limits_.method)) add_pull(start.state, freedom, candidate);
+  add_pressure(start.state, freedom, candidate);
 }
 
 void FilterChain::apply_filters(const StepStart& start, const Freedom& freedom, Candidate& candidate,
@@ -87,9 +89,18 @@ void FilterChain::add_pull(const State& state, const Freedom& freedom, Candidate
   }
 }
 
+/// They are kept against what contacts press as well, beyond what the prediction carried of it.
+void FilterChain::add_pressure(const State& state, const Freedom& freedom, Candidate& candidate) const {
+  const std::vector<Vec3>& pressed = candidate.reported.contact_force;
+  for (Local i = 0; i < Local(pressed.size()); ++i)
+    if (!freedom.is_free(i))
+      candidate.reported.reaction[i] -=
+          freedom.denied(i, pressed[i] - state.multipliers.carried_contact_force[i]);
+}
+
 /// What the prediction carries of a force density of the step before.
 double FilterChain::carried(double force_density) const {
-  return limits_.carried_tension ? std::max(force_density, 0.0) : 0.0;
+  return limits_.carried_tension ? taut::carried(force_density, pushes_of(*limits_.constrain)) : 0.0;
 }
 
 } // namespace taut

@@ -24,6 +24,7 @@ private:
   void apply_filters(const StepStart& start, const Freedom& freedom, Candidate& candidate,
                      StepReport& report);
   void add_pull(const State& state, const Freedom& freedom, Candidate& candidate) const;
+  void add_pressure(const State& state, const Freedom& freedom, Candidate& candidate) const;
   double carried(double force_density) const;
 
   const Cloth& cloth_;

@@ -194,7 +194,8 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   if (input.contact_model() == config::ContactModel::penalty)
     forces.push_back(std::make_unique<PenaltySprings>(cloth, obstacles, input));
   if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
-    forces.push_back(std::make_unique<CarriedTension>(cloth, pattern));
+    forces.push_back(std::make_unique<CarriedTension>(
+        cloth, pattern, pushes_of(config::constrain_of(input, cloth.mesh.triangles_only))));
   return forces;
 }
 

@@ -156,6 +156,27 @@ TYPED_TEST(ConstraintSets, PreconditionIsPositive) {
   });
 }
 
+// As between vertices of a flat sheet that slide across it: without a compliance of their own such rows would
+// make programs singular.
+TYPED_TEST(ConstraintSets, HaveAComplianceWhereNothingCanMove) {
+  const auto grid = [](MPI_Comm comm) {
+    return make_grid(comm, {0.8, 0.6}, {9, 7}, GridCells::alternating_triangles);
+  };
+  on_odd_partitions(grid, [&](DistributedMesh mesh) {
+    Strained<TypeParam> t(std::move(mesh));
+    t.x = t.cloth.mesh.rest_positions;
+    Freedom freedom(t.x.size());
+    const auto compliances = [&] {
+      t.set.start(t.start, dt, freedom, t.candidate);
+      t.set.evaluate(t.x);
+      return t.set.program_compliance();
+    };
+    for (const double a : compliances()) EXPECT_EQ(a, 0.0);
+    for (std::size_t v = 0; v < t.x.size(); ++v) freedom.keep_on_line(Local(v), Vec3::UnitZ());
+    for (const double a : compliances()) EXPECT_EQ(a, 1.0);
+  });
+}
+
 // A sheet of triangles thrown against a ball: whatever the set keeps, it ends within the limit and meets
 // nothing.
 TYPED_TEST(ConstraintSets, AreKeptWhereContactsPress) {

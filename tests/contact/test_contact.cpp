@@ -2,6 +2,7 @@
 #include "src/contact/contact_search.hpp"
 #include "src/contact/intersections.hpp"
 #include "src/contact/obstacle_surface.hpp"
+#include "src/contact/safe_iterate.hpp"
 #include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 
@@ -89,6 +90,21 @@ TEST(Advance, KeepsTheFloorAndDoesNotStopForNothing) {
   EXPECT_GT(arrived, 100);
 }
 
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Advance, StandsStillWhereSomethingIsNotANumber) {
+  for (const PairKind kind : {PairKind::vertex_face, PairKind::edge_edge, PairKind::vertex_edge})
+    for (unsigned seed = 0; seed < 20; ++seed)
+      for (int i = 0; i < (kind == PairKind::vertex_edge ? 3 : 4); ++i)
+        for (const double bad : {no_number, HUGE_VAL}) {
+          const Four x = random_four(seed), u = random_four(seed + 1000, 1e-3);
+          Four no_place = x, no_motion = u;
+          no_place[i][seed % 3] = no_motion[i][seed % 3] = bad;
+          EXPECT_EQ(safe_fraction(pair_of(kind), no_place, u, 1e-6), 0.0) << int(kind) << seed << i;
+          EXPECT_EQ(safe_fraction(pair_of(kind), x, no_motion, 1e-6), 0.0) << int(kind) << seed << i;
+        }
+}
+
 Case crumpled_case() {
   return case_of("cloth: {grid: {size: [1, 1], vertices: [8, 7]}}\n"
                  "contact: {thickness: 0.01}\n"
@@ -100,7 +116,7 @@ Case crumpled_case() {
 }
 
 using Name = std::vector<Global>;
-Name name_of(const Pair& pair, std::span<const Global> keys) {
+Name unordered_name(const Pair& pair, std::span<const Global> keys) {
   Name name{Global(pair.kind)};
   for (const Local v : pair.vertices) name.push_back(keys[v]);
   auto sort = [&](int from, int to) { std::sort(name.begin() + from, name.begin() + to); };
@@ -141,7 +157,7 @@ MeshSlab crumpled_mesh(MPI_Comm comm) { return make_grid(comm, {1, 1}, {8, 7}); 
 std::multiset<Name> everybodys_pairs(const Cloth& cloth, const ContactSearch& search) {
   std::vector<Global> flat;
   for (const Pair& p : search.pairs()) {
-    const Name name = name_of(p, search.keys());
+    const Name name = unordered_name(p, search.keys());
     flat.insert(flat.end(), name.begin(), name.end());
   }
   std::vector<Global> all;
@@ -207,7 +223,7 @@ int expect_what_comes_near(std::span<const Vec3> from, std::span<const Vec3> to,
     if (!comes_near(pair, v)) return;
     ++expected;
     const Pair by_key{{0, 1, 2, 3}, pair.kind, -1, 0, Vec3::Zero()};
-    EXPECT_EQ(found.count(name_of(by_key, v)), 1u);
+    EXPECT_EQ(found.count(unordered_name(by_key, v)), 1u);
   };
   for (Global p = 0; p < Global(from.size()); ++p)
     for (const auto& f : features.faces)
@@ -268,7 +284,7 @@ TEST(ContactSearch, FollowsWhereverTheTargetStrays) {
 
 std::vector<Name> pairs_in_order(const ContactSearch& search) {
   std::vector<Name> names;
-  for (const Pair& p : search.pairs()) names.push_back(name_of(p, search.keys()));
+  for (const Pair& p : search.pairs()) names.push_back(unordered_name(p, search.keys()));
   return names;
 }
 
@@ -309,6 +325,29 @@ TEST(ContactSearch, KeepsWhatItKnowsFromStepToStep) {
       expect_all(part.from, to);
       part.from = to;
     }
+  });
+}
+
+TEST(SafeIterate, DoesNotGoWhereSomethingIsNotANumber) {
+  on_odd_partitions(crumpled_mesh, [&](DistributedMesh mesh) {
+    Crumpled part(std::move(mesh), 7);
+    const std::vector<Global>& vertices = part.cloth.mesh.vertices.original;
+    const Thickness thickness(part.cloth, part.input);
+    ContactScene scene(part.cloth, part.obstacles);
+    SafeIterate safe(scene, thickness);
+    State start;
+    start.positions.resize(vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) // flat, and far from everything
+      start.positions[i] = Vec3(double(vertices[i] % 8) / 7, double(vertices[i] / 8) / 6, 2);
+    scene.begin(start, 0.01);
+    safe.begin();
+    scene.search.find(safe.motion(), thickness.largest_near());
+    scene.gather_start();
+    safe.measure_gaps(0);
+    EXPECT_EQ(safe.safe_fraction_to_target(), 1.0);
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (vertices[i] == 17) scene.target.cloth[i][1] = no_number;
+    EXPECT_EQ(safe.safe_fraction_to_target(), 0.0);
   });
 }
 

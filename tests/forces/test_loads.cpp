@@ -95,14 +95,14 @@ TEST_F(Loads, AirDragFollowsItsFormula) {
 TEST_F(Loads, CarriedTensionIsALaplacian) {
   const DistributedMesh& mesh = whole_.cloth.mesh;
   const Global n = mesh.vertices.total;
-  Dense expected = Dense::Zero(3 * n, 3 * n);
+  Dense expected = Dense::Zero(3 * n, 3 * n), pushes = expected;
   for (Local e = 0; e < mesh.edges.owned; ++e) {
     const Global a = mesh.vertices.original[mesh.edge_vertices[e][0]];
     const Global b = mesh.vertices.original[mesh.edge_vertices[e][1]];
-    const double q = std::max(0.0, state_.force_density[mesh.edges.original[e]]);
+    const double q = state_.force_density[mesh.edges.original[e]];
     for (int k = 0; k < 3; ++k) {
       const Column ends = Column::Unit(3 * n, 3 * a + k) - Column::Unit(3 * n, 3 * b + k);
-      expected += q * ends * ends.transpose();
+      (q > 0 ? expected : pushes) += q * ends * ends.transpose();
     }
   }
   Column x(3 * n);
@@ -112,6 +112,9 @@ TEST_F(Loads, CarriedTensionIsALaplacian) {
     const Step step = step_of(bed, tension, state_, 1.0);
     EXPECT_LT(relative_error(step.matrix, expected), round_off);
     EXPECT_LT(relative_error(step.rhs, -expected * x), round_off);
+    const Step whole = step_of(bed, tension_and_pushes, state_, 1.0);
+    EXPECT_LT(relative_error(whole.matrix, expected), round_off);
+    EXPECT_LT(relative_error(whole.rhs, -(expected + pushes) * x), round_off);
   });
 }
 

@@ -127,6 +127,7 @@ TEST(Checkpoint, HoldsEverything) {
               .linear_iterations = 6,
               .contacts = 11,
               .contacts_if_even = 12,
+              .smallest_gap = 1e-3,
               .velocity_seconds = 0.1,
               .projection_seconds = 0.2,
               .contact_seconds = 0.6,

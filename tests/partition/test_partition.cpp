@@ -6,6 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <limits>
 #include <numeric>
 #include <random>
 #include <set>
@@ -182,6 +185,26 @@ TEST_F(FaultyMesh, IsolatedVertex) {
 TEST_F(FaultyMesh, ZeroLengthEdge) {
   EXPECT_THAT(message_for({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2, 3}}}),
               testing::StartsWith("bad.obj:3: vertex 3 lies exactly on vertex 2 (line 2)"));
+}
+
+// 64 MiB an item, so that few make it; on one rank, where a plan leads to itself.
+TEST(Plan, CarriesMoreBytesThanAnIntCounts) {
+  struct Large {
+    std::array<char, 1 << 26> bytes;
+  };
+  constexpr std::size_t items = 33;
+  static_assert(items * sizeof(Large) > std::size_t(std::numeric_limits<int>::max()));
+  const double free_bytes = double(sysconf(_SC_AVPHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+  if (size_of(world) > 1 || free_bytes < 10e9) GTEST_SKIP() << "takes 5 GB";
+  std::vector<Large> source(2), target(2);
+  source[0].bytes.fill('a');
+  source[1].bytes.fill('b');
+  std::vector<Local> from(items, 0), into(items, 0);
+  from.back() = into.back() = 1;
+  const Plan plan(world, std::vector<int>(items, 0), from, into);
+  plan.forward<Large>(source, target);
+  EXPECT_TRUE(target[0].bytes == source[0].bytes);
+  EXPECT_TRUE(target[1].bytes == source[1].bytes);
 }
 
 TEST(Distribute, GridByMetis) {

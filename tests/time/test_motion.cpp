@@ -236,3 +236,48 @@ TEST(StepSize, FollowsHowMuchStretchChanges) {
   EXPECT_LE(largest_change(fine), limit);
   EXPECT_GT(fine.size(), coarse.size());
 }
+
+// A vertex may belong to nothing that the limit holds for; what is not a number must not pass all the same.
+TEST(Acceptance, TakesNothingThatIsNotANumber) {
+  const Case input = case_of("cloth: {grid: {size: [1, 1], vertices: [4, 4]}}\n"
+                             "time: {max_stretch_change: 0.5}\n");
+  const Simulation simulation(world, input);
+  const Cloth& cloth = simulation.cloth();
+  const State& state = simulation.state();
+  Resolved resolved;
+  resolved.inextensibility.constrain = config::Constrain::edges;
+  resolved.strain_limit = 0.01;
+  const Acceptance acceptance(cloth, resolved, 0.5);
+  const auto fault_with = [&](auto&& spoil, double strain) {
+    Candidate candidate;
+    candidate.positions = state.positions;
+    candidate.velocities = state.velocities;
+    candidate.end_velocities = state.velocities;
+    for (std::size_t i = 0; i < state.positions.size(); ++i)
+      if (cloth.mesh.vertices.original[i] == 5) spoil(candidate, i);
+    return acceptance.fault_of(state, candidate, {strain, 0});
+  };
+  const double none = std::nan("");
+  const auto nothing = [](Candidate&, std::size_t) {};
+  EXPECT_EQ(fault_with(nothing, 0.005), "");
+  EXPECT_NE(fault_with(nothing, 0.02), "");
+  EXPECT_NE(fault_with(nothing, none), "");
+  EXPECT_TRUE(acceptance.is_beyond_limit({none, 0}));
+  EXPECT_NE(fault_with([&](Candidate& c, std::size_t i) { c.positions[i][2] = none; }, 0.005), "");
+  EXPECT_NE(fault_with([&](Candidate& c, std::size_t i) { c.velocities[i][0] = none; }, 0.005), "");
+  EXPECT_NE(fault_with([&](Candidate& c, std::size_t i) { c.end_velocities[i][1] = none; }, 0.005), "");
+}
+
+// Tension grows as steps are halved; if compliance grew with it, no step would be short enough.
+TEST(Compliance, DoesNotSoftenShortSteps) {
+  const std::string yank = "{time: 0}, {time: 0.02, translate: [0, 0, 0.3]}";
+  Simulation simulation(world, case_of("cloth: {grid: {size: [1, 1], vertices: [21, 21]}}\n"
+                                       "pins: [{vertices: [0], motion: [" +
+                                       yank + "]}, {vertices: [20], motion: [" + yank +
+                                       "]}]\n"
+                                       "inextensibility: {strain: 0.1 %}\n"
+                                       "time: {end: 0.02, frame_rate: 50, max_step: 0.01}\n"));
+  Recorder record(simulation);
+  run_to_the_end(simulation, record);
+  for (const StepRecord& r : record.records) EXPECT_LE(r.strain.max, 0.001);
+}
