@@ -1,6 +1,6 @@
 #include "src/constraints/mixed_set.hpp"
 
-#include "src/linear/bounded_qp.hpp"
+#include "src/constraints/solve_matrix_free.hpp"
 
 #include <algorithm>
 
@@ -8,8 +8,7 @@ namespace taut {
 
 MixedSet::MixedSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : cloth_(cloth), edges_(cloth, options, use, find_threads(cloth.mesh)), metric_(cloth, options, use),
-      compliance_(rows()), rhs_(rows()), tolerance_(rows()), change_(rows()),
-      push_(cloth.mesh.vertices.size()) {}
+      compliance_(rows()) {}
 
 /// What the candidate carries is the tension of both.
 void MixedSet::start(const State& start, double dt, const Freedom& freedom, const Candidate& candidate) {
@@ -25,42 +24,7 @@ void MixedSet::finish(Candidate& candidate) const {
   metric_.finish_beside_edges(candidate);
 }
 
-void MixedSet::multiply(std::span<const double> z, std::span<double> product) {
-  const DistributedMesh& mesh = cloth_.mesh;
-  std::fill(push_.begin(), push_.end(), Vec3::Zero());
-  begin_spread(z);
-  end_spread(push_);
-  for (Local i = 0; i < mesh.vertices.owned; ++i)
-    push_[i] = inverse_mass()[i] * freedom().allowed(i, push_[i]);
-  mesh.vertex_halo.update(push_);
-  for (std::size_t r = 0; r < product.size(); ++r) product[r] = compliance_[r] * z[r];
-  subtract_difference(push_, product);
-}
-
-SolveReport MixedSet::solve(double tolerance) {
-  constexpr int most_products = 1000;
-  factor(inverse_mass());
-  residual(rhs_);
-  double largest = 0;
-  for (const double c : rhs_) largest = std::max(largest, std::abs(c));
-  largest = max_over(cloth_.mesh.comm, largest);
-  std::fill(change_.begin(), change_.end(), 0.0);
-  if (largest == 0) return {};
-  std::fill(tolerance_.begin(), tolerance_.end(), tolerance * largest);
-  const BoundedQp equations{[this](auto z, auto product) { multiply(z, product); },
-                            [this](auto r, auto s) { precondition(r, s); },
-                            rhs_,
-                            rows(),
-                            {},
-                            {},
-                            tolerance_};
-  SolveReport report;
-  const QpReport solved = taut::solve(cloth_.mesh.comm, equations, {most_products}, change_);
-  report.iterations = solved.products;
-  if (!solved.solved) report.failure = "it did not converge";
-  add(change_);
-  return report;
-}
+SolveReport MixedSet::solve(double tolerance) { return solve_matrix_free(cloth_.mesh, *this, tolerance); }
 
 double MixedSet::evaluate(std::span<const Vec3> x) {
   const double strain = std::max(edges_.evaluate(x), metric_.evaluate(x));

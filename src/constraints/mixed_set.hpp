@@ -56,13 +56,10 @@ private:
   std::span<T> of_metric(std::span<T> rows) const {
     return rows.subspan(edges_.rows());
   }
-  void multiply(std::span<const double> z, std::span<double> product);
-
   const Cloth& cloth_;
   EdgeSet edges_;
   MetricSet metric_;
-  std::vector<double> compliance_, rhs_, tolerance_, change_; ///< of owned rows
-  std::vector<Vec3> push_;                                    ///< W J^T z of local vertices
+  std::vector<double> compliance_; ///< of owned rows
 };
 
 } // namespace taut

@@ -1,7 +1,7 @@
 #include "src/filters/contact_projection.hpp"
 
 #include "partition/traffic.hpp"
-#include "src/constraints/mixed_set.hpp"
+#include "src/constraints/bounded_set.hpp"
 #include "src/constraints/projection_options.hpp"
 
 #include <fmt/format.h>
@@ -156,6 +156,7 @@ void ContactProjection<Set>::propose(const State& start, double dt, Candidate& c
 
 template class ContactProjection<EdgeSet>;
 template class ContactProjection<MetricSet>;
-template class ContactProjection<MixedSet>;
+template class ContactProjection<BoundedSet<MetricSet>>;
+template class ContactProjection<BoundedSet<MixedSet>>;
 
 } // namespace taut

@@ -1,6 +1,6 @@
 #include "src/filters/contact_qp.hpp"
 
-#include "src/constraints/mixed_set.hpp"
+#include "src/constraints/bounded_set.hpp"
 
 #include <utility>
 
@@ -137,6 +137,7 @@ void ContactQp<Set>::precondition(std::span<const double> r, std::span<double> s
 
 template class ContactQp<EdgeSet>;
 template class ContactQp<MetricSet>;
-template class ContactQp<MixedSet>;
+template class ContactQp<BoundedSet<MetricSet>>;
+template class ContactQp<BoundedSet<MixedSet>>;
 
 } // namespace taut

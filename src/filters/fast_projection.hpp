@@ -1,5 +1,5 @@
 #pragma once
-#include "src/constraints/mixed_set.hpp"
+#include "src/constraints/bounded_set.hpp"
 #include "src/filters/velocity_filter.hpp"
 
 namespace taut {

@@ -46,7 +46,10 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   limits.constrain = constrain_of(input, cloth);
   if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd)
     limits.compliance = default_compliance(limits.strain, result.weight);
-  if (config::holds_limit(input)) result.strain_limit = limits.strain;
+  if (!config::holds_limit(input)) return result;
+  result.strain_limit = limits.strain;
+  if (limits.constrain == config::Constrain::vertices && config::is_filter(limits.method))
+    result.faces_limit = limits.faces * limits.strain;
   return result;
 }
 

@@ -27,11 +27,12 @@ public:
   double face_strain(std::span<const Vec3> positions) const;
 
 private:
+  std::string fault_of_faces(const Candidate& candidate) const;
   std::string fault_of_stretch(const State& state, const Candidate& candidate) const;
 
   const Cloth& cloth_;
   config::Constrain constrain_;
-  std::optional<double> strain_limit_, max_stretch_change_;
+  std::optional<double> strain_limit_, faces_limit_, max_stretch_change_;
   StrainGauge gauge_;
   std::vector<Tangent> tangents_; ///< whose stretch is watched
 };

@@ -12,10 +12,10 @@ std::unique_ptr<Stepper> make_stepper(const StepperParts& parts, const Case& inp
   if (input.inextensibility.method == config::InextensibilityMethod::xpbd)
     return std::make_unique<Xpbd>(parts);
   if (input.inextensibility.method == config::InextensibilityMethod::newton)
-    return for_chosen_set(parts.cloth, parts.resolved.inextensibility,
-                          [&]<ConstraintSetInNewton Set>() -> std::unique_ptr<Stepper> {
-                            return std::make_unique<NewtonStep<Set>>(parts, input);
-                          });
+    return for_chosen_set_in_newton(parts.cloth, parts.resolved.inextensibility,
+                                    [&]<ConstraintSetInNewton Set>() -> std::unique_ptr<Stepper> {
+                                      return std::make_unique<NewtonStep<Set>>(parts, input);
+                                    });
   if (input.contact_model() == config::ContactModel::penalty && !parts.obstacles.empty())
     return std::make_unique<PredictWithSolids>(parts, input);
   return std::make_unique<PredictAndFilter>(parts, input);
