@@ -80,11 +80,13 @@ inline std::unique_ptr<Force> damped_shear(const Bed& b) {
 }
 inline std::unique_ptr<Force> drag(const Bed& b) { return std::make_unique<AirDrag>(b.cloth, air); }
 inline std::unique_ptr<Force> tension(const Bed& b) {
-  return std::make_unique<CarriedTension>(b.cloth, b.pattern, Pushes::left);
+  return std::make_unique<CarriedTension>(b.cloth, b.pattern,
+                                          std::vector<char>(b.cloth.mesh.edges.size(), 0));
 }
 
 inline std::unique_ptr<Force> tension_and_pushes(const Bed& b) {
-  return std::make_unique<CarriedTension>(b.cloth, b.pattern, Pushes::carried);
+  return std::make_unique<CarriedTension>(b.cloth, b.pattern,
+                                          std::vector<char>(b.cloth.mesh.edges.size(), 1));
 }
 inline std::unique_ptr<Force> gravity(const Bed& b) {
   return std::make_unique<Gravity>(b.cloth, oblique_gravity);

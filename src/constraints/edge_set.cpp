@@ -1,7 +1,6 @@
 #include "src/constraints/edge_set.hpp"
 
 #include "src/constraints/projection_options.hpp"
-#include "src/constraints/strain_gauge.hpp"
 
 #include <algorithm>
 
@@ -14,6 +13,12 @@ namespace {
 double most_compliance(ConstraintUse use) { return use == ConstraintUse::alone ? 1e-5 : 1e-3; }
 
 } // namespace
+
+EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
+                 std::vector<char> constrained)
+    : constraints_(cloth, options, use, most_compliance(use), std::move(constrained)), options_(options),
+      use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
+      program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : constraints_(cloth, options, use, most_compliance(use)), options_(options), use_(use),
@@ -39,7 +44,11 @@ double EdgeSet::evaluate(std::span<const Vec3> x) {
   return strain;
 }
 
-double EdgeSet::strain(std::span<const Vec3> x) const { return measure_strain(constraints_.cloth(), x).max; }
+void EdgeSet::subtract_force_densities(std::span<const double> of_others) {
+  std::vector<double> mu(mu_.size());
+  constraints_.to_mu(of_others, mu);
+  for (std::size_t e = 0; e < mu.size(); ++e) mu_[e] -= mu[e];
+}
 
 void EdgeSet::finish(Candidate& candidate) const {
   constraints_.to_force_density(mu_, candidate.multipliers.force_density);
@@ -108,7 +117,7 @@ void EdgeSet::program_guess(std::span<double> guess) const {
 
 void EdgeSet::factor(std::span<const double> metric) {
   yarns_->factor(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
-  if (use_ == ConstraintUse::in_newton)
+  if (use_ == ConstraintUse::in_newton && system_)
     system_->assemble(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
 }
 
@@ -146,7 +155,7 @@ std::vector<RowPlace> EdgeSet::row_places() const {
   for (Local e = 0; e < mesh().edges.owned; ++e) {
     const Vec3 &a = mesh().rest_positions[mesh().edge_vertices[e][0]],
                &b = mesh().rest_positions[mesh().edge_vertices[e][1]];
-    result.push_back({0.5 * (a + b), (b - a).normalized(), 1.0});
+    result.push_back({0.5 * (a + b), (b - a).normalized(), constraints_.has(e) ? 1.0 : 0.0});
   }
   return result;
 }

@@ -1,8 +1,7 @@
 #include "src/filters/contact_projection.hpp"
 
 #include "partition/traffic.hpp"
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/bounded_set.hpp"
 
 #include <fmt/format.h>
 
@@ -184,5 +183,7 @@ void ContactProjection<Set>::propose(const State& start, double dt, Candidate& c
 
 template class ContactProjection<EdgeSet>;
 template class ContactProjection<MetricSet>;
+template class ContactProjection<BoundedSet<MetricSet>>;
+template class ContactProjection<BoundedSet<MixedSet>>;
 
 } // namespace taut

@@ -1,7 +1,6 @@
 #include "src/filters/contact_qp.hpp"
 
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/bounded_set.hpp"
 
 #include <utility>
 
@@ -141,5 +140,7 @@ void ContactQp<Set>::precondition(std::span<const double> r, std::span<double> s
 
 template class ContactQp<EdgeSet>;
 template class ContactQp<MetricSet>;
+template class ContactQp<BoundedSet<MetricSet>>;
+template class ContactQp<BoundedSet<MixedSet>>;
 
 } // namespace taut

@@ -50,5 +50,7 @@ FilterReport FastProjection<Set>::apply(const State& start, double dt, const Fre
 
 template class FastProjection<EdgeSet>;
 template class FastProjection<MetricSet>;
+template class FastProjection<BoundedSet<MetricSet>>;
+template class FastProjection<BoundedSet<MixedSet>>;
 
 } // namespace taut

@@ -2,21 +2,11 @@
 #include "src/config/choices.hpp"
 #include "src/forces/force.hpp"
 
-#include <algorithm>
-
 namespace taut {
 
-/// Whether the edges that push carry that into the next step too.
-enum class Pushes { left, carried };
-
-inline Pushes pushes_of(config::Constrain constrain) {
-  return constrain == config::Constrain::vertices ? Pushes::carried : Pushes::left;
-}
-
-/// What a step carries of a force density of the last.
-inline double carried(double force_density, Pushes pushes) {
-  return pushes == Pushes::carried ? force_density : std::max(force_density, 0.0);
-}
+/// Not 0 for the local edges that carry pushes too: where vertices are constrained, all but the sides of
+/// quads and lines. Collective if vertices are.
+std::vector<char> edges_with_pushes(const DistributedMesh& mesh, config::Constrain constrain);
 
 /// The tension that held the cloth in the step before, carried into this one: force -L(q) x and stiffness
 /// L(q+), where L is the Laplacian of the edges weighted by the force density q in N/m, and q+ = max(q, 0).
@@ -30,8 +20,8 @@ inline double carried(double force_density, Pushes pushes) {
 /// say, and the difference would grow from step to step.
 class CarriedTension : public Force {
 public:
-  /// `cloth` and `pattern` must outlive the force.
-  CarriedTension(const Cloth& cloth, const Pattern& pattern, Pushes pushes);
+  /// `cloth` and `pattern` must outlive the force; `pushes` as edges_with_pushes.
+  CarriedTension(const Cloth& cloth, const Pattern& pattern, std::vector<char> pushes);
 
   std::string_view name() const override { return "carried_tension"; }
   double energy(const State&) const override { return 0; }
@@ -39,7 +29,7 @@ public:
 
 private:
   const Cloth& cloth_;
-  Pushes pushes_;
+  std::vector<char> pushes_;
   std::vector<std::int32_t>
       slots_; ///< of (vertex, other) for all edge ends around owned vertices, in the mesh's order
 };

@@ -157,6 +157,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"max", all.strain_max},
         {"rms", std::sqrt(a_step(all.strain_squares))},
         {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},
+        {"faces_limit", simulation_.faces_limit() ? Json(*simulation_.faces_limit()) : Json()},
         {"faces_max", limits.constrain == config::Constrain::vertices ? Json(all.face_strain_max) : Json()},
         {"p999", quantile(mesh.comm, all, 0.999)}}},
       {"projection", projection_of(limits, all)},

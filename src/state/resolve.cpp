@@ -23,12 +23,16 @@ double default_compliance(double strain_limit, double weight) {
 }
 
 config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
-  const config::Constrain constrain = config::constrain_of(input, cloth.mesh.triangles_only);
-  if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
-    throw InputError(
-        input.file.string() +
-        ": inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
-        "keep warp and weft by their edges: choose edges");
+  const config::Constrain constrain = config::constrain_of(input, cloth.mesh.has_triangles);
+  if (constrain == config::Constrain::vertices && !cloth.mesh.has_triangles)
+    throw InputError(input.file.string() + ": inextensibility.constrain: vertices is for meshes with "
+                                           "triangles; quads and lines keep warp and weft "
+                                           "by their edges: choose edges");
+  if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only &&
+      input.inextensibility.solver == config::LinearSolver::mumps)
+    throw InputError(input.file.string() +
+                     ": inextensibility.solver: mumps has no matrix for triangles beside quads or lines; "
+                     "choose cg, or constrain: edges");
   return constrain;
 }
 
@@ -42,7 +46,10 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   limits.constrain = constrain_of(input, cloth);
   if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd)
     limits.compliance = default_compliance(limits.strain, result.weight);
-  if (config::holds_limit(input)) result.strain_limit = limits.strain;
+  if (!config::holds_limit(input)) return result;
+  result.strain_limit = limits.strain;
+  if (limits.constrain == config::Constrain::vertices && config::is_filter(limits.method))
+    result.faces_limit = limits.faces * limits.strain;
   return result;
 }
 

@@ -7,6 +7,7 @@ namespace taut {
 struct Resolved {
   config::Inextensibility inextensibility; ///< `constrain` is given, and `compliance` but for xpbd
   std::optional<double> strain_limit;      ///< of every accepted step; none if nothing keeps one
+  std::optional<double> faces_limit;       ///< the same of single triangles
   double weight = 0;                       ///< of the cloth, N
 };
 

@@ -9,7 +9,7 @@ namespace taut {
 
 Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::optional<double> max_stretch_change)
     : cloth_(cloth), constrain_(*resolved.inextensibility.constrain), strain_limit_(resolved.strain_limit),
-      max_stretch_change_(max_stretch_change), gauge_(cloth, constrain_) {
+      faces_limit_(resolved.faces_limit), max_stretch_change_(max_stretch_change), gauge_(cloth, constrain_) {
   if (max_stretch_change || constrain_ == config::Constrain::vertices) tangents_ = tangents_of(cloth);
 }
 
@@ -26,7 +26,15 @@ std::string Acceptance::fault_of(const State& state, const Candidate& candidate,
   if (!std::isfinite(strain.max) || !is_finite(candidate)) return "positions are no longer numbers";
   if (is_beyond_limit(strain))
     return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
-  return fault_of_stretch(state, candidate);
+  const std::string fault = fault_of_faces(candidate);
+  return fault.empty() ? fault_of_stretch(state, candidate) : fault;
+}
+
+std::string Acceptance::fault_of_faces(const Candidate& candidate) const {
+  if (!faces_limit_) return "";
+  const double strain = face_strain(candidate.positions);
+  if (strain <= *faces_limit_) return "";
+  return fmt::format("a single triangle strains by {:.3g}, over its limit {:g}", strain, *faces_limit_);
 }
 
 /// How drastically stretch changes in the step [BW98 section 6].

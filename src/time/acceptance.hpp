@@ -31,11 +31,12 @@ public:
 
 private:
   bool is_finite(const Candidate& candidate) const;
+  std::string fault_of_faces(const Candidate& candidate) const;
   std::string fault_of_stretch(const State& state, const Candidate& candidate) const;
 
   const Cloth& cloth_;
   config::Constrain constrain_;
-  std::optional<double> strain_limit_, max_stretch_change_;
+  std::optional<double> strain_limit_, faces_limit_, max_stretch_change_;
   StrainGauge gauge_;
   std::vector<Tangent> tangents_; ///< whose stretch is watched
 };

@@ -2,7 +2,7 @@
 
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
-#include "src/constraints/edge_set.hpp"
+#include "src/constraints/choose_set.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
@@ -14,17 +14,21 @@ namespace taut {
 
 namespace {
 
-std::unique_ptr<VelocityFilter> make_contact_projection(const StepperParts& parts, const Case& input) {
-  return std::make_unique<ContactProjection<EdgeSet>>(
-      parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
-      ContactProjectionOptions{.limits = parts.resolved.inextensibility,
-                               .contact = input.contact.value_or(config::Contact{}),
-                               .gravity = input.gravity.norm(),
-                               .longest_step = input.time.max_step});
+using FilterPointer = std::unique_ptr<VelocityFilter>;
+
+FilterPointer make_contact_projection(const StepperParts& parts, const Case& input) {
+  const ContactProjectionOptions options{.limits = parts.resolved.inextensibility,
+                                         .contact = input.contact.value_or(config::Contact{}),
+                                         .gravity = input.gravity.norm(),
+                                         .longest_step = input.time.max_step};
+  return for_chosen_set(parts.cloth, options.limits, [&]<ConstraintSet Set>() -> FilterPointer {
+    return std::make_unique<ContactProjection<Set>>(parts.cloth, parts.obstacles,
+                                                    Thickness(parts.cloth, input), options);
+  });
 }
 
-std::vector<std::unique_ptr<VelocityFilter>> make_filters(const StepperParts& parts, const Case& input) {
-  std::vector<std::unique_ptr<VelocityFilter>> filters;
+std::vector<FilterPointer> make_filters(const StepperParts& parts, const Case& input) {
+  std::vector<FilterPointer> filters;
   if (input.contact_model() == config::ContactModel::constraint) {
     filters.push_back(make_contact_projection(parts, input));
     return filters;
@@ -45,11 +49,12 @@ bool all_finite(MPI_Comm comm, std::span<const Vec3> field) {
 
 FilterChain::FilterChain(const StepperParts& parts, const Case& input)
     : cloth_(parts.cloth), limits_(parts.resolved.inextensibility), holds_limit_(config::holds_limit(input)),
-      filters_(make_filters(parts, input)) {}
+      pushes_(edges_with_pushes(parts.cloth.mesh, *limits_.constrain)), filters_(make_filters(parts, input)) {
+}
 
 void FilterChain::carry_tension(const State& state, Candidate& candidate) const {
   const std::vector<double>& before = state.multipliers.force_density;
-  for (std::size_t e = 0; e < before.size(); ++e) candidate.multipliers.force_density[e] = carried(before[e]);
+  for (std::size_t e = 0; e < before.size(); ++e) candidate.multipliers.force_density[e] = carried(state, e);
 }
 
 void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidate& candidate,
@@ -82,8 +87,7 @@ void FilterChain::add_pull(const State& state, const Freedom& freedom, Candidate
     if (freedom.is_free(i)) continue;
     Vec3 pull = Vec3::Zero();
     for (const EdgeEnd& end : cloth_.mesh.star_of(i))
-      pull += (candidate.multipliers.force_density[end.edge] -
-               carried(state.multipliers.force_density[end.edge])) *
+      pull += (candidate.multipliers.force_density[end.edge] - carried(state, std::size_t(end.edge))) *
               (candidate.positions[end.other] - candidate.positions[i]);
     candidate.reported.reaction[i] -= freedom.denied(i, pull);
   }
@@ -99,8 +103,10 @@ void FilterChain::add_pressure(const State& state, const Freedom& freedom, Candi
 }
 
 /// What the prediction carries of a force density of the step before.
-double FilterChain::carried(double force_density) const {
-  return limits_.carried_tension ? taut::carried(force_density, pushes_of(*limits_.constrain)) : 0.0;
+double FilterChain::carried(const State& state, std::size_t edge) const {
+  if (!limits_.carried_tension) return 0.0;
+  const double q = state.multipliers.force_density[edge];
+  return pushes_[edge] ? q : std::max(q, 0.0);
 }
 
 } // namespace taut

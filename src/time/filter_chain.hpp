@@ -25,11 +25,12 @@ private:
                      StepReport& report);
   void add_pull(const State& state, const Freedom& freedom, Candidate& candidate) const;
   void add_pressure(const State& state, const Freedom& freedom, Candidate& candidate) const;
-  double carried(double force_density) const;
+  double carried(const State& state, std::size_t edge) const;
 
   const Cloth& cloth_;
   config::Inextensibility limits_;
   bool holds_limit_;
+  std::vector<char> pushes_; ///< see edges_with_pushes
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
 };
 

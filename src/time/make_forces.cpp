@@ -154,7 +154,7 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
 double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
   const Material& material = cloth.pieces[k].material;
   if (material.stretch) return *material.stretch;
-  if (config::constrain_of(input, cloth.mesh.triangles_only) == config::Constrain::edges) return 0;
+  if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::edges) return 0;
   std::array<double, 2> sums{}; // kg, m^2
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
     if (cloth.piece_of(i) != k) continue;
@@ -195,7 +195,8 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
     forces.push_back(std::make_unique<PenaltySprings>(cloth, obstacles, input));
   if (input.inextensibility.carried_tension && config::is_filter(input.inextensibility.method))
     forces.push_back(std::make_unique<CarriedTension>(
-        cloth, pattern, pushes_of(config::constrain_of(input, cloth.mesh.triangles_only))));
+        cloth, pattern,
+        edges_with_pushes(cloth.mesh, config::constrain_of(input, cloth.mesh.has_triangles))));
   return forces;
 }
 

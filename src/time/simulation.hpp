@@ -45,7 +45,8 @@ public:
   const config::Inextensibility& inextensibility() const { return resolved_.inextensibility; }
   /// Of every accepted step; none if nothing keeps one.
   std::optional<double> strain_limit() const { return acceptance_.strain_limit(); }
-  double weight() const { return resolved_.weight; } ///< of the cloth, N
+  std::optional<double> faces_limit() const { return resolved_.faces_limit; } ///< of single triangles
+  double weight() const { return resolved_.weight; }                          ///< of the cloth, N
   const StrainGauge& gauge() const { return acceptance_.gauge(); }
   const Pins& pins() const { return pins_; }
   const Forces& forces() const { return forces_; }

@@ -1,0 +1,130 @@
+#include "src/constraints/triangle_bounds.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+namespace {
+
+constexpr double most_of_bound = 0.8; ///< from which a triangle has a row
+constexpr double far = 10;            ///< limits of the averages, from where none has
+
+/// Of what a row yields: triangles that share sides depend on one another, and on the averages.
+constexpr double softness = 0.02;
+
+} // namespace
+
+TriangleBounds::TriangleBounds(const Cloth& cloth, const config::Inextensibility& options)
+    : cloth_(cloth), limit_(options.strain), bound_(options.faces * options.strain),
+      pull_(cloth.mesh.vertices.size(), Vec3::Zero()), change_(pull_) {
+  std::vector<Tangent> tangents;
+  for (const Local c : cloth.mesh.owned_cells)
+    if (cloth.mesh.cells[c].size() == 3) append_tangents(cloth, std::size_t(c), tangents);
+  for (const Tangent& t : tangents) directions_.push_back({t.stencil, std::sqrt(t.measure)});
+}
+
+void TriangleBounds::start(std::span<const double> inverse_mass, const Freedom& freedom) {
+  inverse_mass_ = inverse_mass;
+  freedom_ = &freedom;
+}
+
+double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
+  rows_.clear();
+  double most = 0;
+  for (const Direction& d : directions_) {
+    const Vec3 w = tangent(d.stencil, x);
+    const double length = w.norm(), strain = std::abs(length - 1);
+    most = std::max(most, std::isfinite(strain) ? strain : HUGE_VAL);
+    if (of_others > far || !(strain > most_of_bound * bound_)) continue;
+    rows_.push_back(
+        {&d, 2 * d.scale * w, length, length > 1 ? 1 + most_of_bound * bound_ : 1 - most_of_bound * bound_});
+  }
+  const MPI_Comm comm = cloth_.mesh.comm;
+  std::array<double, 2> largest{most / bound_, rows_.empty() ? 0.0 : 1.0};
+  max_in_place(comm, largest);
+  any_ = largest[1] > 0;
+  factor(inverse_mass_);
+  return largest[0];
+}
+
+double TriangleBounds::strain(std::span<const Vec3> x) const {
+  double most = 0;
+  for (const Direction& d : directions_) {
+    const double strain = std::abs(tangent(d.stencil, x).norm() - 1);
+    most = std::max(most, std::isfinite(strain) ? strain : HUGE_VAL);
+  }
+  return max_over(cloth_.mesh.comm, most / bound_);
+}
+
+void TriangleBounds::residual(std::span<double> rows) const {
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Row& row = rows_[r];
+    rows[r] = row.of->scale * (row.length * row.length - row.target * row.target);
+  }
+}
+
+void TriangleBounds::program_residual(std::span<double> rows) const {
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    rows[r] = 2 * rows_[r].of->scale * rows_[r].length * (rows_[r].length - rows_[r].target);
+}
+
+void TriangleBounds::program_tolerance(double part_of_limit, std::span<double> tolerance) const {
+  for (std::size_t r = 0; r < tolerance.size(); ++r)
+    tolerance[r] = part_of_limit * limit_ * 2 * rows_[r].of->scale;
+}
+
+/// Rows of triangles that nothing can move have a compliance of 1.
+void TriangleBounds::factor(std::span<const double> metric) {
+  compliance_.clear();
+  diagonal_.clear();
+  for (const Row& row : rows_) {
+    double yields = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Local v = row.of->stencil.vertices[k];
+      const double c = row.of->stencil.c[k];
+      yields += metric[v] * c * c * freedom_->allowed(v, row.gradient).squaredNorm();
+    }
+    compliance_.push_back(yields > 0 ? softness * yields : 1.0);
+    diagonal_.push_back(yields + compliance_.back());
+  }
+}
+
+void TriangleBounds::precondition(std::span<const double> r, std::span<double> s) const {
+  for (std::size_t k = 0; k < diagonal_.size(); ++k) s[k] = r[k] / diagonal_[k];
+}
+
+/// J^T z into `pull_`, on owned vertices. A triangle's owner knows its share at vertices of others.
+void TriangleBounds::pull(std::span<const double> z) {
+  std::fill(pull_.begin(), pull_.end(), Vec3::Zero());
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const TangentStencil& s = rows_[r].of->stencil;
+    for (int k = 0; k < 3; ++k) pull_[s.vertices[k]] += z[r] * s.c[k] * rows_[r].gradient;
+  }
+  cloth_.mesh.vertex_halo.accumulate(pull_);
+}
+
+void TriangleBounds::spread(std::span<const double> z, std::span<Vec3> field) {
+  if (!any_) return;
+  pull(z);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) field[i] -= pull_[i];
+}
+
+void TriangleBounds::subtract_difference(std::span<const Vec3> u, std::span<double> rows) const {
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    rows[r] -= rows_[r].gradient.dot(tangent(rows_[r].of->stencil, u));
+}
+
+void TriangleBounds::take(std::span<const double> d_mu) {
+  if (any_)
+    pull(d_mu);
+  else
+    std::fill(pull_.begin(), pull_.end(), Vec3::Zero());
+  change_ = pull_;
+}
+
+Vec3 TriangleBounds::displacement(Local vertex) const {
+  return inverse_mass_[vertex] * freedom_->allowed(vertex, change_[vertex]);
+}
+
+} // namespace taut

@@ -1,0 +1,72 @@
+#pragma once
+#include "src/constraints/constraint_set.hpp"
+#include "src/forces/stretch.hpp"
+
+namespace taut {
+
+/// Bounds of what single triangles may strain where averages are kept (AveragedMetric), |w| in [1 - b, 1 + b]
+/// along warp and weft, as rows beside those of a set. Only triangles that strain by more than most of b have
+/// rows, which take them back there: C = s (|w|^2 - t^2), with s the root of the triangle's area and t = 1 +
+/// 0.8 b or 1 - 0.8 b. Such a row can only be wrong by what the other rows do for it; then it is gone in the
+/// next iteration, and so its force is not carried from step to step.
+///
+/// While the averages themselves are far from their limit, there are no rows: most of what triangles strain
+/// is then the averages' to correct.
+class TriangleBounds {
+public:
+  /// `cloth` must outlive the bounds. Not collective.
+  TriangleBounds(const Cloth& cloth, const config::Inextensibility& options);
+
+  /// For a step in which vertices with these inverse masses (local, see take_inverse_masses) move as
+  /// `freedom` allows; both must outlive the step. Not collective.
+  void start(std::span<const double> inverse_mass, const Freedom& freedom);
+
+  /// Finds the rows at positions of local vertices, where the other rows strain by `of_others`, in limits;
+  /// returns the largest strain of a triangle over its bound, infinite if one is not a number. Collective.
+  double evaluate(std::span<const Vec3> x, double of_others);
+  /// The same strain alone. Collective.
+  double strain(std::span<const Vec3> x) const;
+  /// Whether any rank has rows.
+  bool any() const { return any_; }
+
+  /// Of the rows of this rank; as ConstraintSet says.
+  std::size_t rows() const { return rows_.size(); }
+  std::span<const double> compliance() const { return compliance_; }
+  void residual(std::span<double> rows) const;
+  void program_residual(std::span<double> rows) const;
+  void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
+  void factor(std::span<const double> metric);
+  void precondition(std::span<const double> r, std::span<double> s) const;
+  /// field -= J^T z on owned vertices. Collective over neighbours.
+  void spread(std::span<const double> z, std::span<Vec3> field);
+  void subtract_difference(std::span<const Vec3> u, std::span<double> rows) const;
+  /// Takes d_mu, for `displacement`: W J^T d_mu at an owned vertex. Collective over neighbours.
+  void take(std::span<const double> d_mu);
+  Vec3 displacement(Local vertex) const;
+
+private:
+  /// Of an owned triangle along warp or weft.
+  struct Direction {
+    TangentStencil stencil;
+    double scale; ///< s, m
+  };
+  struct Row {
+    const Direction* of;
+    Vec3 gradient; ///< 2 s w, times c the derivative by a vertex
+    double length; ///< |w|
+    double target; ///< t
+  };
+  void pull(std::span<const double> z);
+
+  const Cloth& cloth_;
+  double limit_, bound_; ///< of averages; b
+  std::vector<Direction> directions_;
+  std::span<const double> inverse_mass_;
+  const Freedom* freedom_ = nullptr;
+  bool any_ = false;
+  std::vector<Row> rows_;
+  std::vector<double> compliance_, diagonal_; ///< of rows
+  std::vector<Vec3> pull_, change_;           ///< J^T z, of local vertices; J^T d_mu
+};
+
+} // namespace taut
