@@ -3,9 +3,9 @@
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
 #include "src/constraints/edge_set.hpp"
-#include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
+#include "src/time/make_contact_projection.hpp"
 
 #include <algorithm>
 
@@ -13,19 +13,10 @@ namespace taut {
 
 namespace {
 
-std::unique_ptr<VelocityFilter> make_contact_projection(const StepperParts& parts, const Case& input) {
-  return std::make_unique<ContactProjection<EdgeSet>>(
-      parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
-      ContactProjectionOptions{.limits = parts.resolved.inextensibility,
-                               .contact = input.contact.value_or(config::Contact{}),
-                               .gravity = input.gravity.norm(),
-                               .longest_step = input.time.max_step});
-}
-
 std::vector<std::unique_ptr<VelocityFilter>> make_filters(const StepperParts& parts, const Case& input) {
   std::vector<std::unique_ptr<VelocityFilter>> filters;
   if (input.contact_model() == config::ContactModel::constraint) {
-    filters.push_back(make_contact_projection(parts, input));
+    filters.push_back(make_contact_projection<EdgeSet>(parts, input));
     return filters;
   }
   if (auto filter = make_filter(parts.cloth, parts.pattern, parts.resolved.inextensibility))
