@@ -28,6 +28,7 @@ void visit_checkpoint(C& checkpoint, V& visit) {
   visit("longest_step", checkpoint.step_size.step);
   visit("successes", checkpoint.step_size.successes);
   visit("patience", checkpoint.step_size.patience);
+  visit("failures", checkpoint.step_size.failures);
   visit("grew", checkpoint.step_size.grew);
   visit("rejected_steps", checkpoint.rejected_steps);
   visit_totals(checkpoint.totals, visit);

@@ -225,7 +225,7 @@ TEST(StepSize, KnowsTheFrameAfterATime) {
   }
 }
 
-TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
+TEST(StepSize, ShortensWhatLaboursButNotWithoutEnd) {
   config::Time time;
   time.end = 1;
   time.frame_rate = 1;
@@ -240,6 +240,25 @@ TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
   EXPECT_GT(size.choose(0, 1).dt, 0.0006);
   for (int i = 0; i < 200; ++i) size.accepted();
   EXPECT_DOUBLE_EQ(size.choose(0, 1).dt, 0.01);
+}
+
+TEST(StepSize, ShrinksFasterWhereStepsKeepFailing) {
+  config::Time time;
+  time.end = 1;
+  time.frame_rate = 1;
+  time.max_step = 0.01;
+  StepSize size(time);
+  const auto reject = [&] {
+    const double dt = size.choose(0, 1).dt;
+    size.rejected(dt);
+    return dt / size.choose(0, 1).dt;
+  };
+  EXPECT_NEAR(reject(), 1.25, 0.02); // steps are equal within a frame
+  EXPECT_NEAR(reject(), 1.5625, 0.02);
+  for (int i = 0; i < 3; ++i) reject();
+  EXPECT_NEAR(reject(), 2, 0.02);
+  size.accepted();
+  EXPECT_NEAR(reject(), 1.25, 0.02);
 }
 
 TEST(StepSize, TakesNoTinyLastStep) {
