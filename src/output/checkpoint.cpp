@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Global format = 3;
+constexpr Global format = 4;
 constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
 
 /// Everything in a checkpoint but the case, once, for writing and for reading.

@@ -297,7 +297,7 @@ TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
   write({"air", "gravity"}, 2, 3, 4);
   EXPECT_THAT(contents(folder / "steps.csv"), HasSubstr("kinetic_J,air_J,gravity_J,velocity_s"));
   EXPECT_THAT(contents(folder / "steps.csv"),
-              HasSubstr("\n2,0,0,0,0,0,0.5,0,0,0,0,0,,2,0,0,0\n3,0,0,0,0,0,0.75,"));
+              HasSubstr("\n2,0,0,0,0,0,0.5,0,0,0,0,0,0,,2,0,0,0\n3,0,0,0,0,0,0.75,"));
   write({"gravity"}, 0, 1, 7);
   EXPECT_EQ(contents(folder / "steps.csv"), whole) << "begun anew";
 }
