@@ -1,4 +1,4 @@
-"""Cloth that hangs by two corners, or has fallen on obstacles, by Newton's method on the whole step, until it is still."""
+"""Cloth that hangs by two corners, or fell on obstacles, by Newton's method on the whole step, until it is still."""
 import yaml
 
 from taut import launch
