@@ -99,7 +99,10 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
 
 /// What Newton's method on the whole step asks of a set besides.
 template<class S>
-concept ConstraintSetInNewton = ConstraintSet<S> && requires(const S& fixed, std::span<double> rows) {
+concept ConstraintSetInNewton = ConstraintSet<S> &&
+    requires(S set, const S& fixed, std::span<double> rows, std::span<const double> z) {
+  /// product = (J W J^T + a) z in the metric given last to `factor`. Collective.
+  set.multiply(z, rows);
   /// C - a mu.
   fixed.residual(rows);
   /// 2 |mu|/l of local edges, in kg: what their tension adds to the stiffness of the step. What a push takes

@@ -8,9 +8,9 @@
 namespace taut {
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : constraints_(cloth, options, use), options_(options), use_(use), change_(cloth.mesh.edges.size()),
+    : constraints_(cloth, options, use), options_(options), use_(use),
+      system_(cloth.mesh, solver_options(options)), change_(cloth.mesh.edges.size()),
       mu_(cloth.mesh.edges.size()) {
-  if (use != ConstraintUse::in_newton) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;
   yarns_.emplace(cloth.mesh);
   program_compliance_.resize(cloth.mesh.edges.owned);
@@ -40,25 +40,25 @@ void EdgeSet::finish(Candidate& candidate) const {
 }
 
 SolveReport EdgeSet::solve(double tolerance) {
-  system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
+  system_.assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
   constraints_.residual(mu_, change_);
   const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver == config::LinearSolver::cg;
   if (!threads_ && may_use_threads && ThreadStiffness::is_needed(constraints_, mu_))
-    threads_.emplace(constraints_.cloth(), system_->yarns());
+    threads_.emplace(constraints_.cloth(), system_.yarns());
   if (threads_) threads_->choose(constraints_, mu_);
   SolveReport report =
-      uses_threads() ? solve_with_threads(tolerance) : system_->solve(change_, tolerance, change_);
+      uses_threads() ? solve_with_threads(tolerance) : system_.solve(change_, tolerance, change_);
   if (report.failure.empty()) add_change();
   return report;
 }
 
 SolveReport EdgeSet::solve_with_threads(double tolerance) {
   const auto product_with = [this](std::span<const double> mu, std::span<double> product) {
-    system_->multiply(mu, product);
+    system_.multiply(mu, product);
     threads_->hold_back(constraints_, mu);
     threads_->subtract(constraints_, product);
   };
-  const SolveReport report = system_->solve(product_with, change_, tolerance, change_, threads_->softness());
+  const SolveReport report = system_.solve(product_with, change_, tolerance, change_, threads_->softness());
   threads_->hold_back(constraints_, change_);
   return report;
 }
@@ -100,6 +100,8 @@ void EdgeSet::program_guess(std::span<double> guess) const {
 
 void EdgeSet::factor(std::span<const double> metric) {
   yarns_->factor(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
+  if (use_ == ConstraintUse::in_newton)
+    system_.assemble(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
 }
 
 void EdgeSet::begin_spread(std::span<const double> z) {

@@ -37,6 +37,7 @@ public:
   void program_guess(std::span<double> guess) const;
   void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const { yarns_->solve(r, s); }
+  void multiply(std::span<const double> z, std::span<double> product) { system_.multiply(z, product); }
   void begin_spread(std::span<const double> z);
   void end_spread(std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows) const;
@@ -61,7 +62,7 @@ private:
   EdgeConstraints constraints_;
   config::Inextensibility options_;
   ConstraintUse use_;
-  std::optional<ProjectionSystem> system_; ///< not in Newton's method
+  ProjectionSystem system_; ///< in Newton's method in the metric given last to `factor`, or that of masses
   std::optional<ThreadStiffness> threads_; ///< made when it is first needed
   std::optional<YarnSystem> yarns_;        ///< not alone
   const State* start_ = nullptr;           ///< of the step in hand

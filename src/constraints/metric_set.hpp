@@ -38,6 +38,7 @@ public:
   void program_guess(std::span<double> guess) const;
   void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const { system_->precondition(r, s); }
+  void multiply(std::span<const double> z, std::span<double> product) const { system_->multiply(z, product); }
   void begin_spread(std::span<const double> z);
   void end_spread(std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows);

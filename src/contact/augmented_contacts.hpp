@@ -55,6 +55,8 @@ public:
   /// Whether which contacts press, and which of them slide, was the same when evaluated last as before, or
   /// has been asked for often enough.
   bool is_settled() const { return is_settled_; }
+  /// Whether `couplings` have been asked for in this step.
+  bool has_been_solved() const { return solves_ > 0; }
   Global count() const { return count_; } ///< of contacts, over all ranks
 
 private:

@@ -104,4 +104,10 @@ void MetricSystem::precondition(std::span<const double> r, std::span<double> s) 
   take(p.solution, s);
 }
 
+void MetricSystem::multiply(std::span<const double> mu, std::span<double> product) const {
+  put(mu, petsc_->solution);
+  check(MatMult(petsc_->matrix, petsc_->solution, petsc_->rhs));
+  take(petsc_->rhs, product);
+}
+
 } // namespace taut

@@ -32,6 +32,9 @@ public:
   /// vertices. Collective.
   void precondition(std::span<const double> r, std::span<double> s) const;
 
+  /// product = (J W J^T + a) mu; rows as in `precondition`. Collective.
+  void multiply(std::span<const double> mu, std::span<double> product) const;
+
 private:
   struct Petsc;
   const DistributedMesh& mesh_;

@@ -1,6 +1,5 @@
 #include "src/linear/vertex_multigrid.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <numeric>
@@ -23,14 +22,6 @@ Mat3 smoother_of(const Mat3& d) {
   constexpr double round_off = 1e-12;
   const double size = d.trace();
   return size > 0 ? Mat3((d + round_off * size * Mat3::Identity()).inverse()) : Mat3(Mat3::Zero());
-}
-
-/// M with the absolute values of its singular values: (M M^T)^(1/2).
-Mat3 absolute(const Mat3& m) {
-  Eigen::SelfAdjointEigenSolver<Mat3> eigen;
-  eigen.computeDirect(m * m.transpose());
-  const Vec3 root = eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  return eigen.eigenvectors() * root.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 } // namespace
@@ -120,14 +111,17 @@ void VertexMultigrid::make_vertex_smoother() {
   }
 }
 
-/// D as above, of 3 x 3 blocks: 2 x^T M y <= x^T |M| x + y^T |M^T| y with |M| = (M M^T)^(1/2).
+/// D as above, of 3 x 3 blocks: 2 x^T M y <= sum_ab |m_ab| (x_a^2 + y_b^2).
 void VertexMultigrid::make_smoother(Level& level) {
   const SparseRows rows = level.grid.rows();
   auto block = level.grid.values().begin();
   for (Local row = 0; row < rows.size(); ++row) {
     Mat3 d = Mat3::Zero();
     for (const Local column : rows.columns(row)) {
-      d += column == row ? *block : absolute(*block);
+      if (column == row)
+        d += *block;
+      else
+        d.diagonal() += block->cwiseAbs().rowwise().sum();
       ++block;
     }
     level.smoother[row] = smoother_of(d);

@@ -3,6 +3,7 @@
 #include "partition/traffic.hpp"
 #include "src/constraints/edge_set.hpp"
 #include "src/constraints/metric_set.hpp"
+#include "src/constraints/projection_options.hpp"
 #include "src/linear/kkt_system.hpp"
 #include "src/time/added_pull.hpp"
 #include "src/time/make_contact_projection.hpp"
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace taut {
 
@@ -17,7 +19,8 @@ namespace {
 
 constexpr int most_iterations = 100; // of a solve
 constexpr int most_iterations_in_contact =
-    40; // where what a solve leaves, as in a crumpling pile, the next takes
+    40;                        // where what a solve leaves, as in a crumpling pile, the next takes
+constexpr double turned = 0.1; // strain that says that edges have turned much
 
 } // namespace
 
@@ -77,28 +80,49 @@ void NewtonStep<Set>::keep_violation(const StepStart& start) {
 template<ConstraintSetInNewton Set>
 void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, StepReport& report) {
   const PhaseScope phase(Phase::projection);
-  for (;; ++report.iterations) {
-    set_positions(start, candidate);
-    const double strain = set_.evaluate(candidate.positions);
+  for (bool is_solved = false;; is_solved = true) {
+    const double strain = project(start, candidate, report);
+    if (!report.failure.empty()) return;
     find_residual(start.dt, candidate.velocities);
     set_.residual(rows_);
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] -= kept_[row];
     const double unit = unit_of_movement(start, candidate);
-    report.residual = report.iterations > 0 ? solver_.movement(left_, rows_) / unit : 0.0;
+    report.residual = is_solved ? solver_.movement(left_) / unit : 0.0;
     const bool is_settled = !has_contacts() || contact_->foreseen().is_settled();
-    if (report.iterations > 0 && strain <= options_.strain && report.residual <= options_.residual &&
-        is_settled)
-      return;
+    if (is_solved && strain <= options_.strain && report.residual <= options_.residual && is_settled) return;
     if (!std::isfinite(strain) || !std::isfinite(report.residual) ||
-        report.iterations == options_.max_iterations) {
+        report.iterations >= options_.max_iterations) {
       report.failure =
           fmt::format("Newton's method left a strain of {:.3g} and a residual of {:.3g} after {} "
-                      "solves (limits {:g} and {:g})",
+                      "solves and projections (limits {:g} and {:g})",
                       strain, report.residual, report.iterations, options_.strain, options_.residual);
       return;
     }
     if (!solve(start.dt, unit, candidate, report)) return;
   }
+}
+
+/// Where edges have turned much: see the header. Returns the strain that is left.
+template<ConstraintSetInNewton Set>
+double NewtonStep<Set>::project(const StepStart& start, Candidate& candidate, StepReport& report) {
+  set_positions(start, candidate);
+  double strain = set_.evaluate(candidate.positions);
+  if (strain <= turned) return strain;
+  for (double before = HUGE_VAL; strain > options_.strain && strain < before;) {
+    const SolveReport solved = set_.solve(forcing(strain, options_.strain));
+    ++report.iterations;
+    report.linear_iterations += solved.iterations;
+    if (!solved.failure.empty()) {
+      report.failure = "the projection's linear solver failed: " + solved.failure;
+      return strain;
+    }
+    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+      candidate.velocities[i] -= set_.displacement(i) / start.dt;
+    cloth_.mesh.vertex_halo.update(candidate.velocities);
+    set_positions(start, candidate);
+    before = std::exchange(strain, set_.evaluate(candidate.positions));
+  }
+  return strain;
 }
 
 /// How far gravity moves the cloth in the step, or what accelerates it more so far; root mean square, in m.
@@ -109,17 +133,26 @@ double NewtonStep<Set>::unit_of_movement(const StepStart& start, const Candidate
   return std::max(gravity_ * start.dt * start.dt, solver_.rms(dx_));
 }
 
+/// What slows down moves less than gravity would move it, and what solves leave must shrink with that, or the
+/// cloth trembles for ever.
+template<ConstraintSetInNewton Set>
+double NewtonStep<Set>::unit_at_rest(double dt, double unit, const Candidate& candidate) const {
+  constexpr double steps = 3, least = 1e-3; // in which it moves as far; of the unit: what stands still
+  return std::max(steps * dt * solver_.rms(candidate.velocities), least * unit);
+}
+
 /// Whether there is a change to go on from.
 template<ConstraintSetInNewton Set>
 bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepReport& report) {
-  constexpr double part = 0.05, part_of_strain = 0.3; // of what the step may leave: what turns comes on top
+  constexpr double part = 0.1, part_of_strain = 0.3; // of what the step may leave: what turns comes on top
   stiffen();
-  if (has_contacts()) hold_contacts(report);
+  if (has_contacts()) hold_contacts();
   solver_.factor(stiffness_);
-  if (contact_ && report.iterations == 0) unit = std::max(unit, solver_.movement(left_, rows_));
+  const double movement = part * options_.residual * std::min(unit, unit_at_rest(dt, unit, candidate));
   const SolveReport solved =
-      solver_.solve(left_, rows_, {part * options_.residual * unit, part_of_strain},
+      solver_.solve(left_, rows_, {movement, part_of_strain},
                     contact_ ? most_iterations_in_contact : most_iterations, dx_, change_);
+  ++report.iterations;
   report.linear_iterations += solved.iterations;
   if (solved.iterations == most_iterations && !contact_) {
     report.failure = fmt::format("Newton's linear solver did not converge in {} iterations", most_iterations);
@@ -161,8 +194,8 @@ void NewtonStep<Set>::stiffen() {
 
 /// The same of contacts that press.
 template<ConstraintSetInNewton Set>
-void NewtonStep<Set>::hold_contacts(const StepReport& report) {
-  if (report.iterations == 0) {
+void NewtonStep<Set>::hold_contacts() {
+  if (!contact_->foreseen().has_been_solved()) {
     std::vector<Mat3> blocks(cloth_.mesh.vertices.owned);
     stiffness_.diagonal_blocks(blocks);
     std::vector<double> metric;
