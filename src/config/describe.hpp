@@ -55,12 +55,14 @@ void describe(V& v, Is<Case> auto& c) {
           "implicit_euler or imex");
   v.check(
       "inextensibility",
-      c.inextensibility.method == InextensibilityMethod::fast_projection ||
-          c.contact_model() != ContactModel::constraint,
-      "contact.model constraint goes with method fast_projection only, of which it is a part; choose that "
-      "method, or contact.model: impulse, penalty or none");
-  v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::newton || !c.has_contact(),
-          "method newton knows no contact yet; choose fast_projection, or contact.model: none");
+      can_average(c.inextensibility.method) || c.contact_model() != ContactModel::constraint,
+      "contact.model constraint goes with methods fast_projection and newton only; choose one of these, or "
+      "contact.model: impulse, penalty or none");
+  v.check("inextensibility",
+          c.inextensibility.method != InextensibilityMethod::newton || !c.has_contact() ||
+              c.contact_model() == ContactModel::constraint,
+          "method newton goes with contact.model constraint or none only; choose one of these, or method "
+          "fast_projection");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");
   v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,

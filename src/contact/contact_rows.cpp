@@ -3,6 +3,7 @@
 #include "src/contact/friction.hpp"
 
 #include <Eigen/Geometry>
+#include <boost/container/static_vector.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +39,53 @@ void ContactRows::make(int iteration) {
     turn_impulse(k);
     add_normal_row(k, iteration);
     add_friction_rows(k, iteration);
+  }
+}
+
+std::vector<ForeseenContact> ContactRows::foresee() {
+  scene_.gather_target();
+  corner_reach_ = fall_;
+  find_contacts();
+  corner_reach_ = 0;
+  if (count_ > 0) recall();
+  std::vector<ForeseenContact> foreseen;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const bool touches = records_[k]->impulse.normal > 0 || contacts_[k].violation > -gap_left * fall_;
+    foreseen.push_back(
+        {contacts_[k], records_[k]->impulse, slip_of(contacts_[k]), touches, tilts_of(contacts_[k])});
+  }
+  return foreseen;
+}
+
+/// See ForeseenContact.
+Tilts ContactRows::tilts_of(const Contact& contact) const {
+  Tilts tilts{};
+  if (contact.body < 0 || !scene_.obstacles().body(contact.body).is_round) return tilts;
+  if (scene_.is_cloth(contact.vertices[0])) return tilts;
+  boost::container::static_vector<int, 3> corners;
+  for (int i = 1; i < 4; ++i)
+    if (contact.weights[i] != 0 && scene_.is_cloth(contact.vertices[i])) corners.push_back(i);
+  if (corners.size() < 2) return tilts;
+  const auto x = [&](int i) -> const Vec3& { return safe_.field()[contact.vertices[i]]; };
+  Vec3 between = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) between += contact.weights[i] * x(i);
+  const double root = std::sqrt(std::max(0.0, contact.normal.dot(between)));
+  const Vec3 along = x(corners[1]) - x(corners[0]), first = along.normalized();
+  tilts[0][corners[0]] = -root / along.norm();
+  tilts[0][corners[1]] = root / along.norm();
+  if (corners.size() < 3) return tilts;
+  const Vec3 side = x(corners[2]) - x(corners[0]);
+  const double part = side.dot(first), height = (side - part * first).norm();
+  tilts[1][corners[2]] = root / height;
+  tilts[1][corners[1]] = -root / height * part / along.norm();
+  tilts[1][corners[0]] = -tilts[1][corners[2]] - tilts[1][corners[1]];
+  return tilts;
+}
+
+void ContactRows::take(std::span<const ContactImpulse> impulses) {
+  for (std::size_t k = 0; k < impulses.size(); ++k) {
+    records_[k]->impulse = impulses[k].normal > 0 ? impulses[k] : ContactImpulse{};
+    if (impulses[k].normal > 0) records_[k]->before = impulses[k].scaled(1 / (dt_ * dt_));
   }
 }
 
@@ -108,7 +156,7 @@ void ContactRows::add_corners(const Pair& pair, const Approach& here) {
     std::fill(corner.vertices.begin() + 1, corner.vertices.end(), pair.vertices[i]);
     const Approach alone = approach(corner, at(corner, safe_.field()));
     const double gap = std::min(alone.gap, gap_along(corner, alone, scene_.target_field()));
-    if (gap < thickness_.of(pair, scene_.search.keys())) add_contact(corner, alone);
+    if (gap < thickness_.of(pair, scene_.search.keys()) + corner_reach_) add_contact(corner, alone);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/config/case.hpp"
+#include "src/contact/augmented_contacts.hpp"
 #include "src/contact/normal_cones.hpp"
 #include "src/contact/safe_iterate.hpp"
 
@@ -29,6 +30,14 @@ public:
   /// For a step over `dt` from where the last one left `memory`; this part of the overlap that it starts with
   /// may stay. Not collective.
   void begin(const ContactMemory& memory, double dt, double overlap_kept);
+
+  /// The contacts at the start of the step, where safe iterate and target must be, before its end is known.
+  /// Collective.
+  std::vector<ForeseenContact> foresee();
+
+  /// What the contacts foreseen last have pressed and rubbed, in kg m: rows go on from there, as if the last
+  /// step had done it. Not collective.
+  void take(std::span<const ContactImpulse> impulses);
 
   /// Those of the pairs that are near at the safe iterate or at the target, in iteration `iteration` of the
   /// step, from 1. Collective.
@@ -71,6 +80,7 @@ private:
   void turn_impulse(Local contact);
   void add_normal_row(Local contact, int iteration);
   void add_friction_rows(Local contact, int iteration);
+  Tilts tilts_of(const Contact& contact) const;
   Vec3 slip_of(const Contact& contact) const;
   ContactEntry entry_of(const ContactRecord& record) const;
 
@@ -82,7 +92,8 @@ private:
   double gravity_;
   // of the step in hand
   double dt_ = 0, overlap_kept_ = 0;
-  double fall_ = 0; ///< m that gravity moves a free vertex, at most the smallest thickness
+  double fall_ = 0;         ///< m that gravity moves a free vertex, at most the smallest thickness
+  double corner_reach_ = 0; ///< m beyond the thickness to which corners are contacts: see add_corners
   Global count_ = 0;
   std::vector<Contact> contacts_;
   std::vector<ContactRecord*> records_; ///< of the contacts, into `known_`

@@ -48,31 +48,65 @@ ContactProjection<Set>::ContactProjection(const Cloth& cloth, const Obstacles& o
                                           const ContactProjectionOptions& options)
     : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles),
       safe_(scene_, thickness_), rows_(scene_, safe_, thickness_, options_.contact, options.gravity),
-      alone_(cloth, options.limits), set_(cloth, options.limits, ConstraintUse::with_contact),
-      qp_(cloth, scene_.search) {}
+      foreseen_(scene_), alone_(cloth, options.limits),
+      set_(cloth, options.limits, ConstraintUse::with_contact), qp_(cloth, scene_.search) {}
 
 template<ConstraintSet Set>
 FilterReport ContactProjection<Set>::apply(const State& start, double dt, const Freedom& freedom,
                                            Candidate& candidate) {
   FilterReport report;
-  const double kept = std::max(0.0, 1 - dt / (settling * options_.longest_step));
-  scene_.begin(start, dt, candidate.velocities);
-  scene_.restrict_to(freedom);
-  safe_.begin();
-  rows_.begin(start.multipliers.contacts, dt, kept);
-  if (const double strain = set_.strain(scene_.target.cloth); !(strain <= most_strain)) {
-    report.failure = fmt::format("without projection edges would strain by {:.3g}", strain);
-    return report;
-  }
+  begin(start, dt, freedom, candidate.velocities);
+  guess_ = QpGuess::last_step;
+  if (is_torn(report)) return report;
+  timed(report, [&] { find_pairs(); });
+  iterate(start, dt, freedom, candidate, report);
+  return report;
+}
+
+template<ConstraintSet Set>
+FilterReport ContactProjection<Set>::foresee(const State& start, double dt, const Freedom& freedom,
+                                             std::span<const Vec3> velocities) {
+  FilterReport report;
+  begin(start, dt, freedom, velocities);
   timed(report, [&] {
-    scene_.search.find(safe_.motion(), thickness_.largest_near(), slack * thickness_.largest());
-    update_pairs(0);
+    find_pairs();
+    scene_.target.cloth = start.positions;
+    foreseen_.begin(rows_.foresee(), dt);
   });
+  return report;
+}
+
+template<ConstraintSet Set>
+FilterReport ContactProjection<Set>::correct(const State& start, double dt, const Freedom& freedom,
+                                             Candidate& candidate) {
+  FilterReport report;
+  rows_.take(foreseen_.impulses());
+  guess_ = QpGuess::zero;
+  for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
+    scene_.target.cloth[i] = start.positions[i] + dt * candidate.velocities[i];
+  if (is_torn(report)) return report;
+  timed(report, [&] {
+    if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
+  });
+  iterate(start, dt, freedom, candidate, report);
+  return report;
+}
+
+/// Whether the target is too far from any shape that the cloth can have.
+template<ConstraintSet Set>
+bool ContactProjection<Set>::is_torn(FilterReport& report) const {
+  const double strain = set_.strain(scene_.target.cloth);
+  if (strain <= most_strain) return false; // and not where it is no number
+  report.failure = fmt::format("without projection edges would strain by {:.3g}", strain);
+  return true;
+}
+
+template<ConstraintSet Set>
+void ContactProjection<Set>::iterate(const State& start, double dt, const Freedom& freedom,
+                                     Candidate& candidate, FilterReport& report) {
   rows_.make(1);
-  if (rows_.count() == 0 && ends_alone(start, dt, freedom, candidate, report)) return report;
+  if (rows_.count() == 0 && ends_alone(start, dt, freedom, candidate, report)) return;
   set_.start(start, dt, freedom, candidate);
-  set_.keep_strain(kept);
-  behind_ = HUGE_VAL;
   for (iteration_ = 1;; rows_.make(++iteration_)) {
     report.failure = project(report);
     rows_.report_forces(candidate); // before another search renumbers what the rows refer to
@@ -80,7 +114,24 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
     if (!report.failure.empty() || ends_after_moving(report)) break;
   }
   propose(start, dt, candidate);
-  return report;
+}
+
+template<ConstraintSet Set>
+void ContactProjection<Set>::begin(const State& start, double dt, const Freedom& freedom,
+                                   std::span<const Vec3> velocities) {
+  const double kept = std::max(0.0, 1 - dt / (settling * options_.longest_step));
+  scene_.begin(start, dt, velocities);
+  scene_.restrict_to(freedom);
+  safe_.begin();
+  rows_.begin(start.multipliers.contacts, dt, kept);
+  set_.keep_strain(kept);
+  behind_ = HUGE_VAL;
+}
+
+template<ConstraintSet Set>
+void ContactProjection<Set>::find_pairs() {
+  scene_.search.find(safe_.motion(), thickness_.largest_near(), slack * thickness_.largest());
+  update_pairs(0);
 }
 
 /// Of which the first `known` were there when gaps were last measured.
@@ -126,8 +177,8 @@ std::string ContactProjection<Set>::project(FilterReport& report) {
   if (!std::isfinite(strain)) return "the positions are no longer finite";
   ++report.iterations;
   const QpEffort& effort = strain > far * limit ? effort_far : effort_near;
-  const QpGuess guess = iteration_ == 1 ? QpGuess::last_step : QpGuess::zero;
-  report.linear_iterations += qp_.solve(set_, rows_.contacts(), rows_.rows(), effort, guess).products;
+  report.linear_iterations +=
+      qp_.solve(set_, rows_.contacts(), rows_.rows(), effort, std::exchange(guess_, QpGuess::zero)).products;
   const auto by_normals = [this](auto z, auto lower, auto upper) { rows_.limit_friction(z, lower, upper); };
   report.linear_iterations += qp_.solve_on(effort_again, by_normals).products;
   rows_.keep_in_cones(qp_.row_part());
@@ -185,5 +236,6 @@ template class ContactProjection<EdgeSet>;
 template class ContactProjection<MetricSet>;
 template class ContactProjection<BoundedSet<MetricSet>>;
 template class ContactProjection<BoundedSet<MixedSet>>;
+template class ContactProjection<MixedSet>;
 
 } // namespace taut

@@ -38,7 +38,21 @@ public:
 
   FilterReport apply(const State& start, double dt, const Freedom& freedom, Candidate& candidate) override;
 
+  /// `apply` in two halves around what proposes the candidate, for a stepper that has to know contacts
+  /// before: first those at the start of the step, of a cloth that goes on with these velocities,
+  FilterReport foresee(const State& start, double dt, const Freedom& freedom,
+                       std::span<const Vec3> velocities);
+  /// what they do to the candidate,
+  AugmentedContacts& foreseen() { return foreseen_; }
+  /// and what is left to correct. All collective.
+  FilterReport correct(const State& start, double dt, const Freedom& freedom, Candidate& candidate);
+
 private:
+  void begin(const State& start, double dt, const Freedom& freedom, std::span<const Vec3> velocities);
+  void find_pairs();
+  bool is_torn(FilterReport& report) const;
+  void iterate(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
+               FilterReport& report);
   bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                   FilterReport& report);
   void update_pairs(std::size_t known);
@@ -52,10 +66,12 @@ private:
   ContactScene scene_;
   SafeIterate safe_;
   ContactRows rows_;
+  AugmentedContacts foreseen_;
   FastProjection<Set> alone_;
   Set set_;
   ContactQp<Set> qp_;
-  int iteration_ = 0; ///< of the step in hand
+  int iteration_ = 0;             ///< of the step in hand
+  QpGuess guess_ = QpGuess::zero; ///< of the next program
   double behind_ = 0; ///< m, how far the safe iterate was from the target after the last iteration
 };
 

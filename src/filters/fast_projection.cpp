@@ -52,5 +52,6 @@ template class FastProjection<EdgeSet>;
 template class FastProjection<MetricSet>;
 template class FastProjection<BoundedSet<MetricSet>>;
 template class FastProjection<BoundedSet<MixedSet>>;
+template class FastProjection<MixedSet>;
 
 } // namespace taut

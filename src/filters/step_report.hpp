@@ -43,6 +43,7 @@ struct StepCounts {
 
 /// What a step, or a filter in it, took and came to.
 struct StepReport : StepCounts {
+  double residual = 0; ///< what is left of the equations of motion, where they are measured: see NewtonStep
   bool too_costly = false; ///< two steps of half the length would have cost less, most likely
   std::string failure;     ///< empty, or why the step cannot be accepted
 };

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Global format = 3;
+constexpr Global format = 4;
 constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
 
 /// Everything in a checkpoint but the case, once, for writing and for reading.
@@ -28,6 +28,7 @@ void visit_checkpoint(C& checkpoint, V& visit) {
   visit("longest_step", checkpoint.step_size.step);
   visit("successes", checkpoint.step_size.successes);
   visit("patience", checkpoint.step_size.patience);
+  visit("failures", checkpoint.step_size.failures);
   visit("grew", checkpoint.step_size.grew);
   visit("rejected_steps", checkpoint.rejected_steps);
   visit_totals(checkpoint.totals, visit);

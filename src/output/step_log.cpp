@@ -27,6 +27,7 @@ Row columns_for(const std::vector<std::string>& potentials, std::size_t pins) {
               "projection_iterations",
               "projection_ksp_iterations",
               "velocity_ksp_iterations",
+              "residual",
               "contacts",
               "kinetic_J"};
   for (const std::string& p : potentials) columns.push_back(p + "_J");
@@ -99,10 +100,10 @@ StepLog::StepLog(MPI_Comm comm, std::filesystem::path file, const std::vector<st
 void StepLog::after_step(const State& state, const StepRecord& r) {
   std::optional<std::string> fault;
   if (out_.is_open()) {
-    out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{},{:.9g}", state.step, state.time,
-                        r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth, r.counts.iterations,
-                        r.counts.linear_iterations, r.counts.velocity_iterations, r.counts.contacts,
-                        r.energies.kinetic);
+    out_ << fmt::format("{},{:.9g},{:.9g},{},{:.6g},{:.6g},{:.9g},{},{},{},{:.4g},{},{:.9g}", state.step,
+                        state.time, r.dt, r.rejected, r.strain.max, r.strain.rms, r.depth,
+                        r.counts.iterations, r.counts.linear_iterations, r.counts.velocity_iterations,
+                        r.residual, r.counts.contacts, r.energies.kinetic);
     for (const double e : r.energies.potential) out_ << fmt::format(",{:.9g}", e);
     out_ << fmt::format(",{:.4g},{:.4g},{:.4g}", r.counts.velocity_seconds, r.counts.projection_seconds,
                         r.counts.contact_seconds);

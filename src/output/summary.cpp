@@ -79,6 +79,7 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   t.counts += r.counts;
   t.iterations_max = std::max(t.iterations_max, r.counts.iterations);
   t.contacts_max = std::max(t.contacts_max, r.counts.contacts);
+  t.residual_max = std::max(t.residual_max, r.residual);
   t.strain_max = std::max(t.strain_max, r.strain.max);
   t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
@@ -111,12 +112,14 @@ Json cloths_of(const Cloth& cloth, const Case& input) {
 }
 
 Json projection_of(const config::Inextensibility& limits, const Totals& all) {
+  const bool is_newton = limits.method == config::InextensibilityMethod::newton;
   const double steps = std::max(1.0, double(all.steps)), iterations = double(all.counts.iterations);
   return {{"method", method_name(limits.method)},
           {"compliance", config::is_projection(limits.method) ? Json(*limits.compliance) : Json()},
           {"iterations_mean", iterations / steps},
           {"iterations_max", all.iterations_max},
-          {"ksp_iterations_mean", iterations > 0 ? double(all.counts.linear_iterations) / iterations : 0.0}};
+          {"ksp_iterations_mean", iterations > 0 ? double(all.counts.linear_iterations) / iterations : 0.0},
+          {"residual_max", is_newton ? Json(all.residual_max) : Json()}};
 }
 
 Json seconds_of(const Totals& all) {

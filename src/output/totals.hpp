@@ -9,6 +9,7 @@ struct Totals {
   StepCounts counts;
   Global iterations_max = 0, contacts_max = 0; ///< of any step
   Global intersections = 0;                    ///< found by IntersectionCheck
+  double residual_max = 0;                     ///< of any step, see StepReport
   double strain_max = 0;
   double face_strain_max = 0;
   double strain_squares = 0; ///< of the rms strain of each step
@@ -32,6 +33,7 @@ void visit_totals(T& totals, V& visit) {
   visit("contacts_if_even", totals.counts.contacts_if_even);
   visit("smallest_gap", totals.counts.smallest_gap);
   visit("intersections", totals.intersections);
+  visit("residual_max", totals.residual_max);
   visit("strain_max", totals.strain_max);
   visit("face_strain_max", totals.face_strain_max);
   visit("strain_squares", totals.strain_squares);

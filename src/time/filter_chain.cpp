@@ -3,10 +3,10 @@
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
 #include "src/constraints/choose_set.hpp"
-#include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
 #include "src/forces/carried_tension.hpp"
+#include "src/time/make_contact_projection.hpp"
 
 #include <algorithm>
 
@@ -16,21 +16,16 @@ namespace {
 
 using FilterPointer = std::unique_ptr<VelocityFilter>;
 
-FilterPointer make_contact_projection(const StepperParts& parts, const Case& input) {
-  const ContactProjectionOptions options{.limits = parts.resolved.inextensibility,
-                                         .contact = input.contact.value_or(config::Contact{}),
-                                         .gravity = input.gravity.norm(),
-                                         .longest_step = input.time.max_step};
-  return for_chosen_set(parts.cloth, options.limits, [&]<ConstraintSet Set>() -> FilterPointer {
-    return std::make_unique<ContactProjection<Set>>(parts.cloth, parts.obstacles,
-                                                    Thickness(parts.cloth, input), options);
-  });
+FilterPointer make_contact_filter(const StepperParts& parts, const Case& input) {
+  return for_chosen_set(
+      parts.cloth, parts.resolved.inextensibility,
+      [&]<ConstraintSet Set>() -> FilterPointer { return make_contact_projection<Set>(parts, input); });
 }
 
 std::vector<FilterPointer> make_filters(const StepperParts& parts, const Case& input) {
   std::vector<FilterPointer> filters;
   if (input.contact_model() == config::ContactModel::constraint) {
-    filters.push_back(make_contact_projection(parts, input));
+    filters.push_back(make_contact_filter(parts, input));
     return filters;
   }
   if (auto filter = make_filter(parts.cloth, parts.pattern, parts.resolved.inextensibility))

@@ -4,6 +4,8 @@
 #include "src/constraints/mixed_set.hpp"
 #include "src/constraints/projection_options.hpp"
 #include "src/linear/kkt_system.hpp"
+#include "src/time/added_pull.hpp"
+#include "src/time/make_contact_projection.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +17,9 @@ namespace taut {
 namespace {
 
 constexpr int most_iterations = 100; // of a solve
-constexpr double turned = 0.1;       // strain that says that edges have turned much
+constexpr int most_iterations_in_contact =
+    40;                        // where what a solve leaves, as in a crumpling pile, the next takes
+constexpr double turned = 0.1; // strain that says that edges have turned much
 
 } // namespace
 
@@ -26,6 +30,9 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       integrator_(input.time.integrator),
       assembly_(parts.cloth, parts.pattern, parts.forces, input.time.integrator),
       set_(parts.cloth, options_, ConstraintUse::in_newton), solver_(parts.cloth, parts.pattern, set_),
+      contact_(input.contact_model() == config::ContactModel::constraint
+                   ? make_contact_projection<Set>(parts, input)
+                   : nullptr),
       stiffness_(parts.cloth.mesh), freedom_(parts.cloth.mesh.vertices.size()),
       slots_(edge_slots(parts.cloth.mesh, parts.pattern)), weights_(parts.cloth.mesh.edges.size()),
       added_(weights_), rows_(set_.rows()), change_(rows_), kept_(rows_),
@@ -36,9 +43,11 @@ StepReport NewtonStep<Set>::propose(const State& state, double dt, Candidate& ca
   const StepStart start = integrator_.start(state, dt);
   StepReport report;
   begin(start, candidate);
+  if (contact_) report += contact_->foresee(start.state, dt, freedom_, candidate.velocities);
   iterate(start, candidate, report);
   set_.finish(candidate);
   find_reaction(start.dt, candidate);
+  if (contact_ && report.failure.empty()) correct(start, candidate, report);
   return report;
 }
 
@@ -77,13 +86,15 @@ void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, Step
     set_.residual(rows_);
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] -= kept_[row];
     const double unit = unit_of_movement(start, candidate);
-    const double left = is_solved ? solver_.movement(left_) / unit : 0.0;
-    if (is_solved && strain <= options_.strain && left <= options_.residual) return;
-    if (!std::isfinite(strain) || !std::isfinite(left) || report.iterations >= options_.max_iterations) {
+    report.residual = is_solved ? solver_.movement(left_) / unit : 0.0;
+    const bool is_settled = !has_contacts() || contact_->foreseen().is_settled();
+    if (is_solved && strain <= options_.strain && report.residual <= options_.residual && is_settled) return;
+    if (!std::isfinite(strain) || !std::isfinite(report.residual) ||
+        report.iterations >= options_.max_iterations) {
       report.failure =
           fmt::format("Newton's method left a strain of {:.3g} and a residual of {:.3g} after {} "
                       "solves and projections (limits {:g} and {:g})",
-                      strain, left, report.iterations, options_.strain, options_.residual);
+                      strain, report.residual, report.iterations, options_.strain, options_.residual);
       return;
     }
     if (!solve(start.dt, unit, candidate, report)) return;
@@ -134,13 +145,15 @@ template<ConstraintSetInNewton Set>
 bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepReport& report) {
   constexpr double part = 0.1, part_of_strain = 0.3; // of what the step may leave: what turns comes on top
   stiffen();
+  if (has_contacts()) hold_contacts();
   solver_.factor(stiffness_);
   const double movement = part * options_.residual * std::min(unit, unit_at_rest(dt, unit, candidate));
   const SolveReport solved =
-      solver_.solve(left_, rows_, {movement, part_of_strain}, most_iterations, dx_, change_);
+      solver_.solve(left_, rows_, {movement, part_of_strain},
+                    contact_ ? most_iterations_in_contact : most_iterations, dx_, change_);
   ++report.iterations;
   report.linear_iterations += solved.iterations;
-  if (solved.iterations == most_iterations) {
+  if (solved.iterations == most_iterations && !contact_) {
     report.failure = fmt::format("Newton's linear solver did not converge in {} iterations", most_iterations);
     return false;
   }
@@ -163,6 +176,7 @@ void NewtonStep<Set>::find_residual(double dt, std::span<const Vec3> v) {
   set_.multipliers(rows_);
   set_.begin_spread(rows_);
   set_.end_spread(residual_);
+  if (has_contacts()) contact_->foreseen().evaluate(v, residual_);
   for (Local i = 0; i < mesh.vertices.owned; ++i) left_[i] = freedom_.allowed(i, residual_[i]);
 }
 
@@ -177,11 +191,39 @@ void NewtonStep<Set>::stiffen() {
   std::swap(weights_, added_);
 }
 
+/// The same of contacts that press.
+template<ConstraintSetInNewton Set>
+void NewtonStep<Set>::hold_contacts() {
+  if (!contact_->foreseen().has_been_solved()) {
+    std::vector<Mat3> blocks(cloth_.mesh.vertices.owned);
+    stiffness_.diagonal_blocks(blocks);
+    std::vector<double> metric;
+    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+      metric.push_back(freedom_.is_held(i) ? 0.0 : 3.0 / blocks[i].trace());
+    contact_->foreseen().set_metric(metric);
+  }
+  assembly_.system().set_far(contact_->foreseen().couplings());
+}
+
 /// What pins take is what is left where they hold.
 template<ConstraintSetInNewton Set>
 void NewtonStep<Set>::find_reaction(double dt, Candidate& candidate) const {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
     candidate.reported.reaction[i] = freedom_.denied(i, residual_[i]) / (-dt * dt);
+}
+
+/// What contact still asks for, and what pins take of that.
+template<ConstraintSetInNewton Set>
+void NewtonStep<Set>::correct(const StepStart& start, Candidate& candidate, StepReport& report) {
+  const PhaseScope phase(Phase::projection);
+  const std::vector<double> before = candidate.multipliers.force_density;
+  const FilterReport corrected = contact_->correct(start.state, start.dt, freedom_, candidate);
+  report += corrected;
+  report.failure = corrected.failure;
+  set_positions(start, candidate);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    if (!freedom_.is_free(i))
+      candidate.reported.reaction[i] -= freedom_.denied(i, added_pull(cloth_.mesh, i, before, candidate));
 }
 
 template class NewtonStep<EdgeSet>;

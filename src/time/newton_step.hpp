@@ -1,4 +1,5 @@
 #pragma once
+#include "src/filters/contact_projection.hpp"
 #include "src/newton/newton_solver.hpp"
 #include "src/time/step_assembly.hpp"
 #include "src/time/stepper.hpp"
@@ -55,7 +56,10 @@ private:
   bool solve(double dt, double unit, Candidate& candidate, StepReport& report);
   void find_residual(double dt, std::span<const Vec3> velocities);
   void stiffen();
+  bool has_contacts() const { return contact_ && contact_->foreseen().count() > 0; }
+  void hold_contacts();
   void find_reaction(double dt, Candidate& candidate) const;
+  void correct(const StepStart& start, Candidate& candidate, StepReport& report);
 
   const Cloth& cloth_;
   const Pins& pins_;
@@ -66,6 +70,7 @@ private:
   StepAssembly assembly_;
   Set set_;
   NewtonSolver<Set> solver_;
+  std::unique_ptr<ContactProjection<Set>> contact_; ///< none without contact
   FilteredOperator stiffness_;
   Freedom freedom_;
   std::vector<std::int32_t> slots_;        ///< of tension's stiffness, see edge_slots

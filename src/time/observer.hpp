@@ -14,9 +14,10 @@ struct Energies {
 
 /// What an accepted step was like.
 struct StepRecord {
-  double dt = 0;     ///< s
-  int rejected = 0;  ///< attempts thrown away before this one
-  StepCounts counts; ///< rejected attempts included in its seconds alone
+  double dt = 0;       ///< s
+  int rejected = 0;    ///< attempts thrown away before this one
+  StepCounts counts;   ///< rejected attempts included in its seconds alone
+  double residual = 0; ///< see StepReport
   Strain strain;
   double face_strain = 0; ///< see Acceptance
   double depth = 0;       ///< m the lowest point has come down since the start

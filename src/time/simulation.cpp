@@ -80,6 +80,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
     record.dt = dt;
     record.rejected = std::exchange(rejected, 0);
     record.counts = report;
+    record.residual = report.residual;
     record.strain = strain;
     record.counts.add_seconds_of(std::exchange(wasted, {}));
     measure(record);

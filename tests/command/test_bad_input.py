@@ -101,12 +101,11 @@ MISTAKES = [
            "it, or "
            "choose another method"),
     added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
-          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with method fast_projection only, of "
-          "which it is "
-          "a part; choose that method, or contact.model: impulse, penalty or none"),
+          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with methods fast_projection and newton "
+          "only; choose one of these, or contact.model: impulse, penalty or none"),
     added("contact_by_newton", "inextensibility: {method: newton}\nobstacles: [{plane: {point: [0, 0, -1]}}]\n"
-          "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton knows no contact yet; "
-          "choose fast_projection, or contact.model: none"),
+          "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton goes with contact.model "
+          "constraint or none only; choose one of these, or method fast_projection"),
     added("mumps_for_newton", "inextensibility: {method: newton, solver: mumps}", "taut: case.yaml:5:43: "
           "inextensibility.solver: method newton does not use it; remove it, or choose another method"),
     added("contact_by_xpbd", "inextensibility: {method: xpbd}\ncontact: {model: impulse}",

@@ -226,7 +226,7 @@ TEST(StepSize, KnowsTheFrameAfterATime) {
   }
 }
 
-TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
+TEST(StepSize, ShortensWhatLaboursButNotWithoutEnd) {
   config::Time time;
   time.end = 1;
   time.frame_rate = 1;
@@ -241,6 +241,25 @@ TEST(StepSize, HalvesWhatLaboursButNotWithoutEnd) {
   EXPECT_GT(size.choose(0, 1).dt, 0.0006);
   for (int i = 0; i < 200; ++i) size.accepted();
   EXPECT_DOUBLE_EQ(size.choose(0, 1).dt, 0.01);
+}
+
+TEST(StepSize, ShrinksFasterWhereStepsKeepFailing) {
+  config::Time time;
+  time.end = 1;
+  time.frame_rate = 1;
+  time.max_step = 0.01;
+  StepSize size(time);
+  const auto reject = [&] {
+    const double dt = size.choose(0, 1).dt;
+    size.rejected(dt);
+    return dt / size.choose(0, 1).dt;
+  };
+  EXPECT_NEAR(reject(), 1.25, 0.02); // steps are equal within a frame
+  EXPECT_NEAR(reject(), 1.5625, 0.02);
+  for (int i = 0; i < 3; ++i) reject();
+  EXPECT_NEAR(reject(), 2, 0.02);
+  size.accepted();
+  EXPECT_NEAR(reject(), 1.25, 0.02);
 }
 
 TEST(StepSize, TakesNoTinyLastStep) {
@@ -279,7 +298,7 @@ TEST(StepLog, GoesOnWithTheRowsOfAnEarlierRun) {
   write({"air", "gravity"}, 2, 3, 4);
   EXPECT_THAT(contents(folder / "steps.csv"), HasSubstr("kinetic_J,air_J,gravity_J,velocity_s"));
   EXPECT_THAT(contents(folder / "steps.csv"),
-              HasSubstr("\n2,0,0,0,0,0,0.5,0,0,0,0,0,,2,0,0,0\n3,0,0,0,0,0,0.75,"));
+              HasSubstr("\n2,0,0,0,0,0,0.5,0,0,0,0,0,0,,2,0,0,0\n3,0,0,0,0,0,0.75,"));
   write({"gravity"}, 0, 1, 7);
   EXPECT_EQ(contents(folder / "steps.csv"), whole) << "begun anew";
 }

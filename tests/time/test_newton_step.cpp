@@ -69,3 +69,65 @@ TEST(NewtonStep, HangsAsDeepWhateverTheStep) {
   const double deep = hang(hanging("quads", 6, 0.01)).depth.back();
   EXPECT_NEAR(hang(hanging("quads", 6, 0.005)).depth.back(), deep, 0.01 * deep);
 }
+
+namespace {
+
+/// Lies over a ball; the rest of the case is what methods differ in.
+std::string on_a_ball(const std::string& more) {
+  return "cloth:\n"
+         "  grid: {size: [0.4, 0.4], vertices: [11, 11]}\n"
+         "  start: {translate: [-0.2, -0.2, 0.103]}\n"
+         "  material: {density: 0.2, bending: 3e-5, shear: 10, damping: {mass: 1}}\n"
+         "obstacles: [{sphere: {centre: [0, 0, 0], radius: 0.1}, friction: 0.4}]\n"
+         "contact: {thickness: 2 mm}\n"
+         "time: {end: 5, frame_rate: 1, max_step: 0.01}\n" +
+         more;
+}
+
+} // namespace
+
+// Fast Projection keeps 5e-6 J, 27 times what is allowed here.
+TEST(NewtonStep, ComesToRestOnABall) {
+  constexpr double heavy = 0.2 * 0.4 * 0.4 * 9.81; // N
+  Simulation simulation(world, case_of(on_a_ball("inextensibility: {method: newton}\n")));
+  Recorder recorder(simulation);
+  run_to_the_end(simulation, recorder);
+  double restless = 0, strain = 0;
+  for (const StepRecord& r : recorder.records) {
+    strain = std::max(strain, r.strain.max);
+    EXPECT_LE(r.residual, 0.3);
+    if (r.counts.contacts > 0 && &r >= &recorder.records.back() - 50)
+      restless = std::max(restless, r.energies.kinetic);
+  }
+  EXPECT_LE(strain, 0.01);
+  EXPECT_LT(restless, 3e-6 * heavy * 0.2);
+  Vec3 borne = Vec3::Zero();
+  for (const Vec3& f : simulation.state().reported.contact_force) borne += f;
+  EXPECT_NEAR(sum_over(world, borne[2]), heavy, 0.01 * heavy);
+}
+
+// A patch of cloth on a plane tilted by 20 degrees: held by friction above tan 20 = 0.364, else accelerated
+// by g (sin 20 - friction cos 20), over steps of implicit Euler.
+TEST(NewtonStep, SticksAndSlidesOnASlope) {
+  constexpr double g = 9.81, angle = 20 * M_PI / 180, h = 0.01;
+  constexpr int steps = 60;
+  for (const double friction : {0.4, 0.2}) {
+    Simulation simulation(
+        world, case_of(fmt::format("cloth:\n"
+                                   "  grid: {{size: [0.2, 0.2], vertices: [5, 5]}}\n"
+                                   "  start: {{translate: [0, 0, 0.002]}}\n"
+                                   "  material: {{density: 0.2, bending: 1e-4, shear: 10}}\n"
+                                   "gravity: [{}, 0, {}]\n"
+                                   "obstacles: [{{plane: {{point: [0, 0, 0]}}, friction: {}}}]\n"
+                                   "contact: {{thickness: 2 mm}}\n"
+                                   "time: {{end: {}, frame_rate: 1, max_step: {}}}\n"
+                                   "inextensibility: {{method: newton}}\n",
+                                   g * std::sin(angle), -g * std::cos(angle), friction, steps * h, h)));
+    Recorder recorder(simulation);
+    run_to_the_end(simulation, recorder);
+    ASSERT_EQ(recorder.records.size(), std::size_t(steps));
+    const double way = recorder.positions.back()[0] - recorder.positions.front()[0];
+    const double rate = std::max(0.0, g * (std::sin(angle) - friction * std::cos(angle)));
+    EXPECT_NEAR(way, rate * h * h * steps * (steps + 1) / 2, 0.03 * rate * h * h * steps * steps / 2 + 1e-3);
+  }
+}

@@ -1,0 +1,92 @@
+#pragma once
+#include "src/contact/contact_scene.hpp"
+#include "src/contact/rows.hpp"
+#include "src/linear/contact_couplings.hpp"
+
+namespace taut {
+
+/// For each of two axes, so much per m that the places of a contact move along its normal.
+using Tilts = std::array<std::array<double, 4>, 2>;
+
+/// A contact as Newton's method on the whole step meets it, at the start of the step.
+struct ForeseenContact {
+  Contact contact;        ///< its violation for a cloth that stays where it is
+  ContactImpulse carried; ///< kg m, what of its forces is among those of the step
+  Vec3 slip;              ///< m, for a cloth that stays where it is
+  bool touches;           ///< pressed in the last step, or is as near as if it had
+  /// How an element of cloth rolls on a round body: so much per m that its vertices move along the normal, it
+  /// tilts about two axes, in rad times the root of the distance to the body's centre, m. Zero elsewhere.
+  Tilts tilts;
+};
+
+/// What contacts press and rub at the end of a step, in kg m, as a function of the velocities v with which it
+/// ends: the augmented Lagrangian of Alart and Curnier 1991,
+///
+///     p(v) = max(0, p0 + k violation(v)),   t(v) = t0 - k slip(v), but no longer than friction times p(v),
+///
+/// from what is carried, p0 and t0. What k leaves of violation and slip in one step is taken up by what the
+/// next one carries, and so goes away at rest whatever k is. Towards the solver a contact that sticks is
+/// three equations, one that slides one and a part of another, one that would pull none.
+///
+/// Contacts that touch are taken to stick until the system has been solved; friction is limited once the
+/// solutions agree on which of them press, because on the way there they may press by far too much.
+class AugmentedContacts {
+public:
+  /// `scene` must outlive it.
+  explicit AugmentedContacts(const ContactScene& scene) : scene_(scene) {}
+
+  /// For a step over `dt`, in the places that the scene's search has now. Collective.
+  void begin(std::vector<ForeseenContact> contacts, double dt);
+
+  /// k of each contact: `stiff` times what it takes to move its features, by the inverse metric W of the
+  /// system, 1/kg of local vertices, 0 if held. Collective over neighbours.
+  void set_metric(std::span<const double> metric);
+
+  /// What they do at the end velocities of local vertices; adds to `residual`, kg m of own vertices, what
+  /// this is above what is carried, and what the last `couplings` hold back. Collective.
+  void evaluate(std::span<const Vec3> velocities, std::span<Vec3> residual);
+
+  /// The derivative of what was evaluated last, to be held in the system from now on. Collective over
+  /// neighbours.
+  ContactCouplings couplings();
+
+  /// As evaluated last, of the contacts in their order.
+  std::span<const ContactImpulse> impulses() const { return impulses_; }
+  /// Whether which contacts press, and which of them slide, was the same when evaluated last as before, or
+  /// has been asked for often enough.
+  bool is_settled() const { return is_settled_; }
+  /// Whether `couplings` have been asked for in this step.
+  bool has_been_solved() const { return solves_ > 0; }
+  Global count() const { return count_; } ///< of contacts, over all ranks
+
+private:
+  enum class Kind : char { apart, slides, sticks };
+  struct Held { ///< direction direction^T between the features of a contact
+    std::size_t contact;
+    Vec3 direction;
+  };
+  using Term = ContactCouplings::Term;
+  void add_rolling(std::vector<Term>& terms) const;
+
+  void find_moves(std::span<const Vec3> velocities);
+  void choose_pressing();
+  void press();
+  void limit_friction();
+
+  const ContactScene& scene_;
+  double dt_ = 0;
+  Global count_ = 0;
+  int solves_ = 0; ///< of the system in this step
+  bool limits_friction_ = false, is_settled_ = false;
+  std::vector<ForeseenContact> contacts_;
+  // of contacts
+  std::vector<double> stiffness_; ///< kg
+  std::vector<Kind> kinds_;
+  std::vector<double> excess_; ///< of friction that slides: what it would take to stick, over what there is
+  std::vector<ContactImpulse> impulses_;
+  std::vector<Vec3> moves_; ///< m that their features part over the step
+  std::vector<Held> held_;  ///< in the system
+  std::vector<Vec3> field_;
+};
+
+} // namespace taut

@@ -1,0 +1,19 @@
+#pragma once
+#include "src/filters/contact_projection.hpp"
+#include "src/time/stepper_parts.hpp"
+
+namespace taut {
+
+/// Contact as constraints, for a case that has it. Collective.
+template<ConstraintSet Set>
+std::unique_ptr<ContactProjection<Set>> make_contact_projection(const StepperParts& parts,
+                                                                const Case& input) {
+  return std::make_unique<ContactProjection<Set>>(
+      parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
+      ContactProjectionOptions{.limits = parts.resolved.inextensibility,
+                               .contact = input.contact.value_or(config::Contact{}),
+                               .gravity = input.gravity.norm(),
+                               .longest_step = input.time.max_step});
+}
+
+} // namespace taut
