@@ -7,8 +7,8 @@ namespace taut {
 
 namespace {
 
-constexpr double most_of_bound = 0.8; ///< from which a triangle has a row
-constexpr double far = 10;            ///< limits of the averages, from where none has
+constexpr double most_of_bound = 0.8, all_of_bound = 0.95; ///< between which targets are
+constexpr double far = 10;                                 ///< limits of the averages, from where none has
 
 /// Of what a row yields: triangles that share sides depend on one another, and on the averages.
 constexpr double softness = 0.02;
@@ -24,9 +24,17 @@ TriangleBounds::TriangleBounds(const Cloth& cloth, const config::Inextensibility
   for (const Tangent& t : tangents) directions_.push_back({t.stencil, std::sqrt(t.measure)});
 }
 
-void TriangleBounds::start(std::span<const double> inverse_mass, const Freedom& freedom) {
+void TriangleBounds::start(std::span<const Vec3> positions, std::span<const double> inverse_mass,
+                           const Freedom& freedom) {
+  start_ = positions;
   inverse_mass_ = inverse_mass;
   freedom_ = &freedom;
+}
+
+/// t, for a triangle that is now as long.
+double TriangleBounds::target(const Direction& direction, double length) const {
+  const double side = length > 1 ? 1 : -1, at_start = side * (tangent(direction.stencil, start_).norm() - 1);
+  return 1 + side * std::clamp(at_start, most_of_bound * bound_, all_of_bound * bound_);
 }
 
 double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
@@ -37,8 +45,8 @@ double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
     const double length = w.norm(), strain = std::abs(length - 1);
     most = std::max(most, std::isfinite(strain) ? strain : HUGE_VAL);
     if (of_others > far || !(strain > most_of_bound * bound_)) continue;
-    rows_.push_back(
-        {&d, 2 * d.scale * w, length, length > 1 ? 1 + most_of_bound * bound_ : 1 - most_of_bound * bound_});
+    const double t = target(d, length);
+    if (strain > std::abs(t - 1)) rows_.push_back({&d, 2 * d.scale * w, length, t});
   }
   const MPI_Comm comm = cloth_.mesh.comm;
   std::array<double, 2> largest{most / bound_, rows_.empty() ? 0.0 : 1.0};
