@@ -262,6 +262,7 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   DistributedMesh distributed = Builder(comm, mesh, owners).build(send_parts(comm, mesh, topology, owners));
   distributed.triangles_only = topology.triangles_only;
   distributed.has_triangles = topology.has_triangles;
+  distributed.rest_in_texture = mesh.rest_in_texture;
   give_back_memory();
   return distributed;
 }

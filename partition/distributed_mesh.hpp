@@ -62,6 +62,7 @@ struct DistributedMesh {
   bool has_triangles = false;               ///< in the whole mesh
   std::vector<LocalCell> cells;             ///< local cells
   std::vector<Corners2> texture;            ///< of local cells; empty if the mesh has none
+  bool rest_in_texture = false;             ///< it is the shape of all cells at rest, in m
   std::vector<Local> owned_cells;           ///< those of `cells` this rank owns: each cell has one owner
   std::vector<Global> owned_cell_originals; ///< their original numbers
   Global total_cells = 0;

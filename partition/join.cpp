@@ -109,6 +109,7 @@ ListedMesh join(MPI_Comm comm, std::span<const ListedMesh> meshes) {
     number_through(mesh, before);
     append_slab(to_slabs, mesh.slab, before, has_texture, all.slab);
     append_topology(to_slabs, mesh.topology, vertices, all.topology);
+    all.slab.rest_in_texture |= mesh.slab.rest_in_texture;
     all.topology.triangles_only &= mesh.topology.triangles_only;
     all.topology.has_triangles |= mesh.topology.has_triangles;
     before.vertices += mesh.slab.vertices.total;

@@ -46,6 +46,7 @@ struct MeshSlab {
   std::vector<Corners2>
       texture; ///< material coordinates of the corners of each cell, as in the file: u
                ///< along warp, v along weft; zero for a cell without; empty if no cell has any
+  bool rest_in_texture = false; ///< the texture, then in m, is the shape of all cells at rest
   std::vector<Global>
       vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
   std::vector<Global> cell_lines; ///< the same for cells

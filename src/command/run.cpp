@@ -13,6 +13,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
   if (options.source.has_petsc_options) try_petsc_options(simulation);
   const auto out = options.out.empty() ? std::filesystem::path("out") / input.name : options.out;
   if (!clear_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
+  if (!relax_start(simulation, input)) return step_failure;
   make_run_folder(comm, out, input.file, options.existing);
   announce(comm, simulation, input, out);
   return simulate(comm, input, simulation, {out, options.progress, began, {}, options.counters});

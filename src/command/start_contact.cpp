@@ -44,6 +44,23 @@ bool untangle_start(Simulation& simulation, const Case& input, const std::filesy
 
 } // namespace
 
+bool relax_start(Simulation& simulation, const Case& input) {
+  const Relaxed relaxed = simulation.relax();
+  const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
+  if (relaxed.steps > 0 && relaxed.succeeded() && speaks)
+    fmt::print("{}: the start was strained by {:.3g} times its limit, and was relaxed in {} steps\n",
+               input.name, relaxed.strain_before, relaxed.steps);
+  if (!relaxed.succeeded() && speaks)
+    fmt::print(
+        stderr,
+        "taut: {}: the start is strained by {:.3g} times its limit, and could not be relaxed ({:.3g} "
+        "times after {} steps); starts are within a strain of {:g}: bring the start shape nearer to the "
+        "rest shape, or mend cloth.rest, cloth.scale or cloth.texture_unit\n",
+        input.file.string(), relaxed.strain_before, relaxed.strain, relaxed.steps,
+        Simulation::most_strain_of_start);
+  return relaxed.succeeded();
+}
+
 bool clear_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
   if (!input.has_contact()) return true;
   if (input.contact.value_or(config::Contact{}).start == config::StartContact::untangle)

@@ -31,6 +31,7 @@ enum class GridCells { quads, triangles, alternating_triangles };
 enum class ShearModel { baraff_witkin, diagonals };
 enum class BendingModel { yarn, isometric, discrete_shells, baraff_witkin };
 enum class RestAngles { flat, mesh };
+enum class RestShape { mesh, texture };
 enum class PartitionMethod { metis, ptscotch, stripes };
 enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact, yarn };
 enum class FrameFormat { xdmf, pc2 };
@@ -58,6 +59,7 @@ constexpr std::array<std::string_view, 4> words_of(BendingModel) {
   return {"yarn", "isometric", "discrete_shells", "baraff_witkin"};
 }
 constexpr std::array<std::string_view, 2> words_of(RestAngles) { return {"flat", "mesh"}; }
+constexpr std::array<std::string_view, 2> words_of(RestShape) { return {"mesh", "texture"}; }
 constexpr std::array<std::string_view, 2> words_of(ConstraintSolver) { return {"projected", "modified_cg"}; }
 constexpr std::array<std::string_view, 3> words_of(PartitionMethod) {
   return {"metis", "ptscotch", "stripes"};

@@ -71,6 +71,8 @@ struct Cloth {
   std::optional<std::filesystem::path> pattern; ///< as written
   std::optional<double> edge;                   ///< m, of the mesh of the pattern; there if that is
   double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
+  RestShape rest = RestShape::mesh;             ///< of faces
+  double texture_unit = 1;                      ///< m per unit of texture, where that is the rest shape
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
   Material material;

@@ -65,6 +65,10 @@ void describe(V& v, Is<Case> auto& c) {
           "fast_projection");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");
+  v.check("cloths",
+          std::all_of(c.cloths.begin(), c.cloths.end(),
+                      [&](const Cloth& k) { return k.rest == c.cloths.front().rest; }),
+          "rest: texture is of all cloths or of none; give it to each, or to none");
   v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
           "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
   v.check(

@@ -105,6 +105,13 @@ void describe(V& v, Is<Cloth> auto& c) {
      .computed_default = "none; a pattern needs it",
      .meaning = "length of the edges of its mesh, where the pattern gives no other"});
   v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
+  v("rest", c.rest,
+    {.meaning = "where faces have their lengths, warp and weft at rest: the mesh, or its texture coordinates "
+                "(as a garment is cut); folds take those of the mesh"});
+  v("texture_unit", c.texture_unit,
+    {.unit = Unit::metre,
+     .range = positive,
+     .meaning = "length of a unit of the texture coordinates, with rest: texture"});
   v("start", c.start, {.meaning = "where the cloth starts"});
   v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
   v("material", c.material,
@@ -116,6 +123,9 @@ void describe(V& v, Is<Cloth> auto& c) {
      .meaning = "distance kept between two layers of it; to another cloth, the mean of both is kept"});
   v.check("edge", !c.pattern || c.edge,
           "is missing; a pattern needs the length of the edges of its mesh, e.g. 5 mm");
+  v.check("rest", c.rest == RestShape::mesh || c.mesh, "texture is of a mesh file; give cloth.mesh");
+  v.check("texture_unit", c.rest == RestShape::texture || c.texture_unit == 1,
+          "is for rest: texture; remove it");
   v.check("edge", c.pattern || !c.edge, "is for a pattern; remove it, or give cloth.pattern");
 }
 

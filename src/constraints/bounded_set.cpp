@@ -10,7 +10,7 @@ template<ConstraintSet Set>
 void BoundedSet<Set>::start(const State& start, double dt, const Freedom& freedom,
                             const Candidate& candidate) {
   set_.start(start, dt, freedom, candidate);
-  bounds_.start(set_.inverse_mass(), set_.freedom());
+  bounds_.start(start.positions, set_.inverse_mass(), set_.freedom());
 }
 
 template<ConstraintSet Set>

@@ -25,7 +25,10 @@ public:
 
   std::size_t rows() const { return set_.rows() + bounds_.rows(); }
   std::span<const double> program_compliance() const { return compliance_; }
-  void keep_strain(double part) { set_.keep_strain(part); }
+  void keep_strain(double part) {
+    set_.keep_strain(part);
+    bounds_.keep_strain(part);
+  }
   void program_residual(std::span<double> residual) const;
   void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
   void program_guess(std::span<double> guess) const;

@@ -12,16 +12,18 @@ StrainGauge::StrainGauge(const Cloth& cloth, config::Constrain constrain) : clot
 }
 
 Strain StrainGauge::measure(std::span<const Vec3> positions) const {
-  double max = 0;
+  std::array<double, 2> max{};     // of edges, of averages
   std::array<double, 2> squares{}; // their sum, their number
-  for_each(positions, [&](double strain, std::span<const Local>) {
-    max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
+  for_each(positions, [&](double strain, std::span<const Local> vertices) {
+    double& most = max[vertices.size() == 2 ? 0 : 1];
+    most = std::max(most, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
     squares[0] += strain * strain;
     squares[1] += 1;
   });
-  max = max_over(cloth_.mesh.comm, max);
+  max_in_place(cloth_.mesh.comm, max);
   sum_in_place(cloth_.mesh.comm, squares);
-  return {max, squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 0.0};
+  return {std::max(max[0], max[1]), squares[1] > 0 ? std::sqrt(squares[0] / squares[1]) : 0.0, max[0],
+          max[1]};
 }
 
 double largest_strain(const AveragedMetric& metric, std::span<const Vec3> positions) {

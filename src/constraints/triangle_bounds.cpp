@@ -1,5 +1,7 @@
 #include "src/constraints/triangle_bounds.hpp"
 
+#include "src/state/material_coordinates.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,26 +9,53 @@ namespace taut {
 
 namespace {
 
-constexpr double most_of_bound = 0.8; ///< from which a triangle has a row
-constexpr double far = 10;            ///< limits of the averages, from where none has
+constexpr double most_of_bound = 0.6, all_of_bound = 0.95; ///< between which targets are
+constexpr double nearly_all_of_bound = 0.999;              ///< the latter of very short steps
+constexpr double far = 10;                                 ///< limits of the averages, from where none has
 
 /// Of what a row yields: triangles that share sides depend on one another, and on the averages.
-constexpr double softness = 0.02;
+constexpr double softness = 0.005;
+
+bool is_sliver(const Corners2& m) {
+  constexpr double least_sine = 0.17; // of 10 degrees
+  const std::array<Vec2, 3> sides{m[1] - m[0], m[2] - m[1], m[0] - m[2]};
+  const double double_area = std::abs(sides[0][0] * sides[1][1] - sides[1][0] * sides[0][1]);
+  for (int k = 0; k < 3; ++k)
+    if (double_area < least_sine * sides[k].norm() * sides[(k + 1) % 3].norm()) return true;
+  return false;
+}
 
 } // namespace
+
+std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local> cells) {
+  std::vector<Tangent> tangents;
+  for (const Local c : cells) {
+    if (cloth.mesh.cells[c].size() != 3) continue;
+    if (!is_sliver(material_coordinates(cloth.mesh, std::size_t(c))))
+      append_tangents(cloth, std::size_t(c), tangents);
+  }
+  return tangents;
+}
 
 TriangleBounds::TriangleBounds(const Cloth& cloth, const config::Inextensibility& options)
     : cloth_(cloth), limit_(options.strain), bound_(options.faces * options.strain),
       pull_(cloth.mesh.vertices.size(), Vec3::Zero()), change_(pull_) {
-  std::vector<Tangent> tangents;
-  for (const Local c : cloth.mesh.owned_cells)
-    if (cloth.mesh.cells[c].size() == 3) append_tangents(cloth, std::size_t(c), tangents);
-  for (const Tangent& t : tangents) directions_.push_back({t.stencil, std::sqrt(t.measure)});
+  for (const Tangent& t : bounded_tangents(cloth, cloth.mesh.owned_cells))
+    directions_.push_back({t.stencil, std::sqrt(t.measure)});
 }
 
-void TriangleBounds::start(std::span<const double> inverse_mass, const Freedom& freedom) {
+void TriangleBounds::start(std::span<const Vec3> positions, std::span<const double> inverse_mass,
+                           const Freedom& freedom) {
+  start_ = positions;
   inverse_mass_ = inverse_mass;
   freedom_ = &freedom;
+}
+
+/// t, for a triangle that is now as long.
+double TriangleBounds::target(const Direction& direction, double length) const {
+  const double side = length > 1 ? 1 : -1, at_start = side * (tangent(direction.stencil, start_).norm() - 1);
+  const double most = all_of_bound + strain_kept_ * (nearly_all_of_bound - all_of_bound);
+  return 1 + side * std::clamp(at_start, most_of_bound * bound_, most * bound_);
 }
 
 double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
@@ -37,8 +66,8 @@ double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
     const double length = w.norm(), strain = std::abs(length - 1);
     most = std::max(most, std::isfinite(strain) ? strain : HUGE_VAL);
     if (of_others > far || !(strain > most_of_bound * bound_)) continue;
-    rows_.push_back(
-        {&d, 2 * d.scale * w, length, length > 1 ? 1 + most_of_bound * bound_ : 1 - most_of_bound * bound_});
+    const double t = target(d, length);
+    if (strain > std::abs(t - 1)) rows_.push_back({&d, 2 * d.scale * w, length, t});
   }
   const MPI_Comm comm = cloth_.mesh.comm;
   std::array<double, 2> largest{most / bound_, rows_.empty() ? 0.0 : 1.0};

@@ -4,11 +4,17 @@
 
 namespace taut {
 
+/// The tangents that have a bound: of triangles with no angle under 10 degrees. Slivers have none: across
+/// themselves they stretch by much when their corners hardly move, and steps in which they must not became
+/// ever shorter. `cells` are local. Not collective.
+std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local> cells);
+
 /// Bounds of what single triangles may strain where averages are kept (AveragedMetric), |w| in [1 - b, 1 + b]
 /// along warp and weft, as rows beside those of a set. Only triangles that strain by more than most of b have
-/// rows, which take them back there: C = s (|w|^2 - t^2), with s the root of the triangle's area and t = 1 +
-/// 0.8 b or 1 - 0.8 b. Such a row can only be wrong by what the other rows do for it; then it is gone in the
-/// next iteration, and so its force is not carried from step to step.
+/// rows, which take them back there: C = s (|w|^2 - t^2), with s the root of the triangle's area and t = 1 +-
+/// 0.6 b; or where the triangle was at the start of the step, if it was strained more, for to take it back
+/// farther would throw the cloth about. Such a row can only be wrong by what the other rows do for it; then
+/// it is gone in the next iteration, and so its force is not carried from step to step.
 ///
 /// While the averages themselves are far from their limit, there are no rows: most of what triangles strain
 /// is then the averages' to correct.
@@ -17,9 +23,12 @@ public:
   /// `cloth` must outlive the bounds. Not collective.
   TriangleBounds(const Cloth& cloth, const config::Inextensibility& options);
 
-  /// For a step in which vertices with these inverse masses (local, see take_inverse_masses) move as
-  /// `freedom` allows; both must outlive the step. Not collective.
-  void start(std::span<const double> inverse_mass, const Freedom& freedom);
+  /// For a step from `positions` in which vertices with these inverse masses (all local, see
+  /// take_inverse_masses) move as `freedom` allows; all must outlive the step. Not collective.
+  void start(std::span<const Vec3> positions, std::span<const double> inverse_mass, const Freedom& freedom);
+
+  /// The step need not correct this part of what triangles strain beyond most of their bound. Not collective.
+  void keep_strain(double part) { strain_kept_ = part; }
 
   /// Finds the rows at positions of local vertices, where the other rows strain by `of_others`, in limits;
   /// returns the largest strain of a triangle over its bound, infinite if one is not a number. Collective.
@@ -56,14 +65,17 @@ private:
     double length; ///< |w|
     double target; ///< t
   };
+  double target(const Direction& direction, double length) const;
   void pull(std::span<const double> z);
 
   const Cloth& cloth_;
   double limit_, bound_; ///< of averages; b
   std::vector<Direction> directions_;
+  std::span<const Vec3> start_; ///< of the step, m
   std::span<const double> inverse_mass_;
   const Freedom* freedom_ = nullptr;
   bool any_ = false;
+  double strain_kept_ = 0;
   std::vector<Row> rows_;
   std::vector<double> compliance_, diagonal_; ///< of rows
   std::vector<Vec3> pull_, change_;           ///< J^T z, of local vertices; J^T d_mu

@@ -140,6 +140,7 @@ void ContactQp<Set>::precondition(std::span<const double> r, std::span<double> s
 
 template class ContactQp<EdgeSet>;
 template class ContactQp<MetricSet>;
+template class ContactQp<MixedSet>;
 template class ContactQp<BoundedSet<MetricSet>>;
 template class ContactQp<BoundedSet<MixedSet>>;
 

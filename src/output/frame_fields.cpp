@@ -1,11 +1,14 @@
 #include "src/output/frame_fields.hpp"
 
 #include "partition/yarns.hpp"
+#include "src/config/methods.hpp"
+#include "src/constraints/averaged_metric.hpp"
 #include "src/contact/gap_gauge.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/output/strain_fields.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 namespace taut {
@@ -72,6 +75,18 @@ void add_strain(const Cloth& cloth, Fields& fields) {
                       }});
 }
 
+/// Of the metrics that are kept in the place of edges; 0 at vertices that have none.
+void add_averages(const Cloth& cloth, Fields& fields) {
+  const auto metric = std::make_shared<AveragedMetric>(cloth);
+  for (const auto& [name, k] : {std::pair{"average_strain_warp", 0}, std::pair{"average_strain_weft", 1}})
+    fields.push_back({name, std::string("/") + name, vertex, each_frame, "", [metric, k = k](const State& s) {
+                        std::vector<double> strain(metric->cloth().mesh.vertices.owned, 0.0);
+                        for (Local i = 0; i < Local(strain.size()); ++i)
+                          if (metric->has(i)) strain[i] = std::sqrt(metric->at(i, s.positions)[k]) - 1.0;
+                        return strain;
+                      }});
+}
+
 void add_tension(const Cloth& cloth, Fields& fields) {
   fields.push_back({"tension", "/tension", edge, each_frame, "N",
                     [&cloth](const State& s) { return tensions_of_edges(cloth, s); }});
@@ -106,7 +121,11 @@ Fields frame_fields(const Cloth& cloth, const Obstacles& obstacles, const Case& 
     fields.push_back({"cloth", "/cells/cloth", cell, shared_mesh, "",
                       [&cloth](const State&) { return cloths_of_cells(cloth); }});
   if (wants(config::Field::yarn)) add_yarns(cloth.mesh, fields);
-  if (wants(config::Field::strain)) add_strain(cloth, fields);
+  if (wants(config::Field::strain)) {
+    add_strain(cloth, fields);
+    if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::vertices)
+      add_averages(cloth, fields);
+  }
   if (wants(config::Field::tension)) add_tension(cloth, fields);
   return fields;
 }

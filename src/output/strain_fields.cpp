@@ -55,12 +55,13 @@ double strain_of_quad(const DistributedMesh& mesh, Local cell, std::span<const V
                       Along direction) {
   double strain = 0;
   const auto& v = mesh.cells[cell].vertices;
+  const std::array<Vec3, 4> rest = rest_corners(mesh, std::size_t(cell));
   const int first = warp_side(mesh, cell);
   for (int k = 0; k < 4; ++k) {
     if ((first + k) % 2 != int(direction)) continue;
     const Local a = v[k], b = v[(k + 1) % 4];
-    const double rest = (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
-    strain += 0.5 * ((positions[b] - positions[a]).norm() / rest - 1.0);
+    const double at_rest = (rest[(k + 1) % 4] - rest[k]).norm();
+    strain += 0.5 * ((positions[b] - positions[a]).norm() / at_rest - 1.0);
   }
   return strain;
 }

@@ -81,6 +81,8 @@ void Summary::after_step(const State& state, const StepRecord& r) {
   t.contacts_max = std::max(t.contacts_max, r.counts.contacts);
   t.residual_max = std::max(t.residual_max, r.residual);
   t.strain_max = std::max(t.strain_max, r.strain.max);
+  t.edge_strain_max = std::max(t.edge_strain_max, r.strain.of_edges);
+  t.average_strain_max = std::max(t.average_strain_max, r.strain.of_averages);
   t.face_strain_max = std::max(t.face_strain_max, r.face_strain);
   t.strain_squares += r.strain.rms * r.strain.rms;
   simulation_.gauge().for_each(state.positions, [&](double strain, std::span<const Local>) {
@@ -160,6 +162,8 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
         {"max", all.strain_max},
         {"rms", std::sqrt(a_step(all.strain_squares))},
         {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},
+        {"edges_max", all.edge_strain_max},
+        {"averages_max", all.average_strain_max},
         {"faces_limit", simulation_.faces_limit() ? Json(*simulation_.faces_limit()) : Json()},
         {"faces_max", limits.constrain == config::Constrain::vertices ? Json(all.face_strain_max) : Json()},
         {"p999", quantile(mesh.comm, all, 0.999)}}},

@@ -11,6 +11,7 @@ struct Totals {
   Global intersections = 0;                    ///< found by IntersectionCheck
   double residual_max = 0;                     ///< of any step, see StepReport
   double strain_max = 0;
+  double edge_strain_max = 0, average_strain_max = 0; ///< the same apart, see Strain
   double face_strain_max = 0;
   double strain_squares = 0; ///< of the rms strain of each step
   double strain_limit = 0;   ///< that of the bins of `histogram`
@@ -35,6 +36,8 @@ void visit_totals(T& totals, V& visit) {
   visit("intersections", totals.intersections);
   visit("residual_max", totals.residual_max);
   visit("strain_max", totals.strain_max);
+  visit("edge_strain_max", totals.edge_strain_max);
+  visit("average_strain_max", totals.average_strain_max);
   visit("face_strain_max", totals.face_strain_max);
   visit("strain_squares", totals.strain_squares);
   visit("strain_limit", totals.strain_limit);

@@ -43,6 +43,7 @@ inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Loc
 struct Strain {
   double max = 0; ///< largest |strain| of all that the limit holds for, see StrainGauge
   double rms = 0;
+  double of_edges = 0, of_averages = 0; ///< largest of each kind; 0 where there is none
 };
 
 /// How far the lowest vertex, in the direction `down`, is below the origin, in m. Collective.

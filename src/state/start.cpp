@@ -3,10 +3,13 @@
 #include "io/mesh_file.hpp"
 #include "io/obj.hpp"
 #include "partition/grid.hpp"
+#include "partition/mesh_check.hpp"
 #include "src/config/methods.hpp"
 #include "src/garment/load_garment.hpp"
 
 #include <Eigen/Geometry>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -28,6 +31,26 @@ ConstrainedEdges constrained_edges(const Case& input) {
   return averages ? ConstrainedEdges::all : ConstrainedEdges::threads;
 }
 
+/// Makes the texture, in m, the rest shape. Throws InputError for a cell that has none. Collective.
+void rest_in_texture(MPI_Comm comm, double unit, MeshSlab& mesh) {
+  std::optional<std::string> fault;
+  mesh.rest_in_texture = true;
+  mesh.texture.resize(mesh.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
+  for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
+    const int n = mesh.cell[c].size();
+    for (Vec2& corner : mesh.texture[c]) corner *= unit;
+    const auto& m = mesh.texture[c];
+    const Vec2 one = n == 4 ? m[2] - m[0] : m[1] - m[0], two = n == 4 ? m[3] - m[1] : m[2] - m[0];
+    const double area = one[0] * two[1] - two[0] * one[1];
+    if (!fault && !(std::abs(area) > 1e-9 * one.norm() * two.norm()))
+      fault =
+          fmt::format("{}: rest: texture needs faces with texture coordinates that span an area; give this "
+                      "one some (vt), or leave rest: mesh",
+                      place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[c]));
+  }
+  agree(comm, fault);
+}
+
 } // namespace
 
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
@@ -36,6 +59,7 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   Global vertices = 0, cells = 0;
   for (const config::Cloth& cloth : input.cloths) {
     ListedMesh& mesh = meshes.emplace_back(ListedMesh{load_mesh(comm, input, cloth), {}});
+    if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
     Piece& piece = all.pieces.emplace_back(

@@ -10,7 +10,8 @@ namespace taut {
 Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::optional<double> max_stretch_change)
     : cloth_(cloth), constrain_(*resolved.inextensibility.constrain), strain_limit_(resolved.strain_limit),
       faces_limit_(resolved.faces_limit), max_stretch_change_(max_stretch_change), gauge_(cloth, constrain_) {
-  if (max_stretch_change || constrain_ == config::Constrain::vertices) tangents_ = tangents_of(cloth);
+  if (max_stretch_change) tangents_ = tangents_of(cloth);
+  if (constrain_ == config::Constrain::vertices) faces_ = bounded_tangents(cloth, cloth.mesh.owned_cells);
 }
 
 /// The limit may hold for none of what a vertex belongs to, and its velocity is part of the next step.
@@ -48,7 +49,7 @@ std::string Acceptance::fault_of_stretch(const State& state, const Candidate& ca
 
 double Acceptance::face_strain(std::span<const Vec3> positions) const {
   if (constrain_ != config::Constrain::vertices) return 0;
-  return largest_strain(cloth_, tangents_, positions);
+  return largest_strain(cloth_, faces_, positions);
 }
 
 } // namespace taut

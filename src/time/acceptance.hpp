@@ -1,5 +1,6 @@
 #pragma once
 #include "src/constraints/strain_gauge.hpp"
+#include "src/constraints/triangle_bounds.hpp"
 #include "src/forces/stretch.hpp"
 #include "src/state/resolve.hpp"
 
@@ -25,8 +26,8 @@ public:
   /// can. Collective.
   std::string fault_of(const State& state, const Candidate& candidate, const Strain& strain) const;
 
-  /// Largest strain of any triangle along warp or weft, where the limit is for averages of it; else 0.
-  /// Collective.
+  /// Largest strain of any triangle but slivers (bounded_tangents) along warp or weft, where the limit is for
+  /// averages of it; else 0. Collective.
   double face_strain(std::span<const Vec3> positions) const;
 
 private:
@@ -38,7 +39,8 @@ private:
   config::Constrain constrain_;
   std::optional<double> strain_limit_, faces_limit_, max_stretch_change_;
   StrainGauge gauge_;
-  std::vector<Tangent> tangents_; ///< whose stretch is watched
+  std::vector<Tangent> tangents_; ///< whose change of stretch is watched
+  std::vector<Tangent> faces_;    ///< of owned triangles that have a bound
 };
 
 } // namespace taut

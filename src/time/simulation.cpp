@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace taut {
@@ -92,6 +93,36 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
     for (Observer* o : observers) o->between_steps(state_);
   }
   return {};
+}
+
+double Simulation::strain_over_limit() const {
+  if (!resolved_.strain_limit) return 0;
+  const double of_gauge = acceptance_.gauge().measure(state_.positions).max / *resolved_.strain_limit;
+  if (!resolved_.faces_limit) return of_gauge;
+  return std::max(of_gauge, acceptance_.face_strain(state_.positions) / *resolved_.faces_limit);
+}
+
+/// A projection does what it can even where it fails; nothing intersects then either.
+Relaxed Simulation::relax() {
+  constexpr int most_steps = 50;
+  Relaxed result;
+  result.strain_before = result.strain = strain_over_limit();
+  State state = state_;
+  while (result.strain > 1 && result.strain * *resolved_.strain_limit <= most_strain_of_start &&
+         result.steps < most_steps) {
+    attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
+    state.positions = candidate_.positions;
+    const State before = std::exchange(state_, state);
+    const double strain = strain_over_limit();
+    if (!std::isfinite(strain)) {
+      state_ = before;
+      break;
+    }
+    result.strain = strain;
+    ++result.steps;
+  }
+  start_depth_ = lowest(cloth_, state_.positions, down_);
+  return result;
 }
 
 void Simulation::trial_step() {

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/time/acceptance.hpp"
 #include "src/time/observer.hpp"
+#include "src/time/relaxed.hpp"
 #include "src/time/step_size.hpp"
 #include "src/time/stepper.hpp"
 #include "src/time/stepper_parts.hpp"
@@ -34,6 +35,12 @@ public:
   /// Begins elsewhere than the case says; no step has been taken. `state`: ghosts current. Collective.
   void set_start(State state);
 
+  /// Takes a start that is strained beyond its limits back within them, by steps that begin at rest: they
+  /// move the cloth, and no time passes. What is strained by more than `most_strain` is left as it is.
+  /// Collective.
+  Relaxed relax();
+  static constexpr double most_strain_of_start = 0.5;
+
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Collective.
   void trial_step();
@@ -60,6 +67,7 @@ private:
   };
   static bool never() { return false; }
   Attempt attempt(double dt);
+  double strain_over_limit() const;
   std::string place_of_fault(const Strain& strain, double dt) const;
   void accept(double time, double dt);
   void measure(StepRecord& record) const;
