@@ -24,6 +24,7 @@ Examples:
   mpirun -n 3 taut resume out/fine                  go on from the last checkpoint, on any number of ranks
   taut resume out/drape --set time.end=5            the same with other settings
   taut check case.yaml                              validate a case without running it
+  taut check out/drape                              verify the checksums of what a run wrote
   taut info out/drape                               what a run holds, in words
   taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
   taut mesh shirt.json --edge 5mm --out shirt.h5    mesh the panels of a sewing pattern; --svg FILE draws them
@@ -89,7 +90,10 @@ public:
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
-    for (CLI::App* command : {run_, check_, partition_})
+    check_
+        ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
+        ->required();
+    for (CLI::App* command : {run_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
     for (CLI::App* command : {run_, resume_, check_, partition_})
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
@@ -136,7 +140,7 @@ public:
     if (*resume_)
       return resume(comm, {path_, overrides, !arguments.petsc.empty(), checkpoint_, style_of(progress_)});
     const CaseSource source{case_, overrides, !arguments.petsc.empty()};
-    if (*check_) return check(comm, source);
+    if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, source);
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
                       style_of(progress_), counters_});
@@ -152,6 +156,10 @@ private:
     throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, "
                                  "partition, mesh and schema, see taut --help",
                                  word));
+  }
+
+  static bool is_folder(MPI_Comm comm, const std::string& path) {
+    return any_of(comm, rank_of(comm) == 0 && std::filesystem::is_directory(path));
   }
 
   static int print(MPI_Comm comm, const std::string& text) {

@@ -53,6 +53,10 @@ struct MeshOptions {
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
 int check(MPI_Comm comm, const CaseSource& source);
+
+/// Verifies the checksums of all that a run wrote in HDF5.
+int check_run(MPI_Comm comm, const std::filesystem::path& folder);
+
 int info(MPI_Comm comm, const std::filesystem::path& path);
 int partition(MPI_Comm comm, const PartitionOptions& options);
 int mesh(MPI_Comm comm, const MeshOptions& options);

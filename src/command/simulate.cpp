@@ -2,7 +2,6 @@
 
 #include "io/whole_file.hpp"
 #include "src/command/counters.hpp"
-#include "src/command/stop_signal.hpp"
 #include "src/config/methods.hpp"
 #include "src/output/checkpointer.hpp"
 #include "src/output/frame_formats.hpp"
@@ -63,7 +62,6 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
   const fs::path& out = context.out;
-  const StopSignal stop;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
   const std::string text = case_as_run(input);
@@ -80,7 +78,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
-  Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
+  Outcome outcome = simulation.run(observers, [&] { return context.stop.received(comm); });
 
   frames.flush();
   checkpoints.write();

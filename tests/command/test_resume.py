@@ -202,11 +202,10 @@ class Checkpoints(Folder):
             self.spoil(file, "truncated")
         code, _, err = self.taut("resume", "run")
         self.assertEqual(code, 2)
-        self.assertIn("run/checkpoint/step_000000086.h5: cannot be opened as HDF5", err.splitlines()[-1])
-        self.assertIn("check that this is the right file and that it is complete", err)
+        self.assertIn("run/checkpoint/step_000000086.h5: it does not end with its checksum", err.splitlines()[-1])
         code, _, err = self.taut("resume", "run", "--checkpoint", "case.yaml")
         self.assertEqual(code, 2)
-        self.assertIn("case.yaml: cannot be opened as HDF5", err)
+        self.assertIn("case.yaml: it does not end with its checksum", err)
 
     @staticmethod
     def spoil(file, fault):
