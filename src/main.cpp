@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -45,20 +44,6 @@ Arguments split(int argc, char** argv) {
   char** const end = argv + argc;
   char** const cut = std::find_if(argv, end, [](const char* word) { return std::string_view(word) == "--"; });
   return {{argv, cut}, {cut == end ? end : cut + 1, end}};
-}
-
-/// PETSc passes over words that belong to no option; a user should hear of them.
-void check_petsc_words(const std::vector<std::string>& words) {
-  bool value_may_follow = false;
-  for (const std::string& word : words) {
-    const bool is_option =
-        word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
-    if (!is_option && !value_may_follow)
-      throw InputError(fmt::format("'{}' behind --: what stands there are PETSc options, such as "
-                                   "-projection_ksp_monitor",
-                                   word));
-    value_may_follow = is_option;
-  }
 }
 
 Override parse_override(const std::string& text) {
@@ -125,7 +110,6 @@ public:
 
   int execute(MPI_Comm comm, const Arguments& arguments) {
     check_command(arguments);
-    check_petsc_words(arguments.petsc);
     try {
       app_.parse(int(arguments.own.size()), arguments.own.data());
     } catch (const CLI::ParseError& e) {
@@ -137,9 +121,8 @@ public:
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     std::vector<Override> overrides;
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
-    if (*resume_)
-      return resume(comm, {path_, overrides, !arguments.petsc.empty(), checkpoint_, style_of(progress_)});
-    const CaseSource source{case_, overrides, !arguments.petsc.empty()};
+    if (*resume_) return resume(comm, {path_, overrides, arguments.petsc, checkpoint_, style_of(progress_)});
+    const CaseSource source{case_, overrides, arguments.petsc};
     if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, source);
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,

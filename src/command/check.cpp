@@ -10,7 +10,8 @@ namespace taut::command {
 int check(MPI_Comm comm, const CaseSource& source) {
   const Case input = load_case(comm, source);
   Simulation simulation(comm, input);
-  try_petsc_options(simulation);
+  simulation.trial_step();
+  try_petsc_options(simulation, input, source.petsc);
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) == 0)
     fmt::print(

@@ -189,8 +189,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   const fs::path& out = options.folder;
   check_folder(comm, out);
   const RunLock lock(comm, out);
-  const Case input =
-      load_case(comm, {out / run_files::case_as_run, options.overrides, options.has_petsc_options});
+  const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
   const std::vector<fs::path> checkpoints = candidates(comm, options);
   if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
   Simulation simulation(comm, input);
@@ -211,7 +210,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
                  out.string(), state.time);
     return success;
   }
-  if (options.has_petsc_options) try_petsc_options(simulation);
+  try_petsc_options(simulation, input, options.petsc);
   drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
   announce(comm, simulation, input, out);
   return simulate(comm, input, simulation, {stop, out, options.progress, began, std::move(totals)});

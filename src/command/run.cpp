@@ -12,7 +12,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
   if (!options.counters.empty()) count_traffic();
   const Case input = load_case(comm, options.source);
   Simulation simulation(comm, input);
-  if (options.source.has_petsc_options) try_petsc_options(simulation);
+  try_petsc_options(simulation, input, options.source.petsc);
   const auto out = options.out.empty() ? std::filesystem::path("out") / input.name : options.out;
   if (!clear_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
   make_run_folder(comm, out, input.file);

@@ -43,6 +43,14 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
+  v("petsc", c.petsc,
+    {.meaning =
+         "PETSc options of the linear solvers, such as '-velocity_ksp_rtol 1e-6'; what stands behind -- "
+         "on the command line is added"});
+  constexpr double most_gravity = 1e6;
+  v.check(
+      "gravity", c.gravity.cwiseAbs().maxCoeff() <= most_gravity,
+      fmt::format("is more than {:g} m/s^2; give one that steps of this length can follow", most_gravity));
   v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
   if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(

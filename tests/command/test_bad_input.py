@@ -130,6 +130,12 @@ MISTAKES = [
     mesh("bad_number", SQUARE + "v 0 0 a\n", "taut: mesh.obj:5: 'a' is not a number; write 'v x y z' with numbers"),
     mesh("not_a_number", SQUARE + "v 0 nan 0\n",
          "taut: mesh.obj:5: 'nan' is not a finite number; give every vertex a finite place"),
+    mesh("too_far_away", "v 0 0 1e150\nv 1e150 0 0\nv 1e150 1e150 0\nv 0 1e150 0\nf 1 2 3 4\n",
+         "taut: case.yaml: the cloth reaches 1e+150 m from the origin, farther than 1e+09 m; correct `start` or its "
+         "mesh, or give `scale`, the metres per unit of the mesh"),
+    option("rounded_by_more_than_the_limit", "--set cloth.start.translate=[9e8,0,0] --set inextensibility.strain=1e-6",
+           "taut: case.yaml: the cloth reaches 9e+08 m from the origin, where coordinates are rounded by 2e-07 m: too "
+           "much for a strain of 1e-06 of an edge of 0.25 m; move the cloth near the origin"),
     mesh("index_too_high", SQUARE + "f 1 2 3 9\n",
          "taut: mesh.obj:5: vertex 9 does not exist, the file has 4; correct the number"),
     mesh("index_zero", SQUARE + "f 1 2 3 0\n", "taut: mesh.obj:5: there is no vertex 0; number the vertices from 1"),
@@ -390,6 +396,34 @@ class PetscOptions(Folder):
 
     def test_unknown_solver(self):
         self.refused("-velocity_ksp_type", "nonsense")
+
+    def test_no_iterations(self):
+        self.refused("-velocity_ksp_max_it", "-3")
+
+    def test_what_solves_nothing(self):
+        """PETSc calls each of these converged."""
+        for options in (("-velocity_ksp_type", "preonly", "-velocity_pc_type", "none"),
+                        ("-projection_ksp_type", "preonly", "-projection_pc_type", "none"),
+                        ("-velocity_ksp_atol", "1e10")):
+            code, stderr = self.run_case("--", *options)
+            self.assertEqual(code, 2, stderr)
+            self.assertRegex(stderr, r"^taut: the options -(velocity|projection)_...: a solve left \S+ of its "
+                             "right-hand side, measured anew, and called that converged")
+
+    def test_methods_that_do_not_go_together(self):
+        """With the norm of CG GMRES will not work."""
+        code, stderr = self.run_case("--", "-velocity_ksp_type", "gmres")
+        self.assertEqual(code, 2, stderr)
+        self.assertIn("taut: the options -velocity_...: ", stderr)
+
+    def test_of_the_case(self):
+        code, stderr = self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9 -velocity_nonsense 3")
+        self.assertEqual(code, 2)
+        self.assertIn("PETSc option -velocity_nonsense: no solver of this case knows it", stderr)
+        self.assertEqual(self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9", "--", "-velocity_ksp_rtol", "1e-8",
+                                       "-projection_ksp_rtol", "1e-8"), (0, ""))
+        self.assertIn("petsc: -velocity_ksp_rtol 1e-8 -projection_ksp_rtol 1e-8\n",
+                      (self.folder / "result/case.yaml").read_text())
 
 
 class Failure(Folder):

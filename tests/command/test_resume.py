@@ -49,7 +49,7 @@ class Resume(Folder):
             for before, after in ((2, 1), (1, 3)):
                 out = f"from-{before}-{bool(solvers)}"
                 run = self.stop_run(out, 12, *settings, *solvers, ranks=before)
-                code, _, err = self.taut("resume", out, *solvers, ranks=after)
+                code, _, err = self.taut("resume", out, ranks=after)  # with the options of the run
                 self.assertEqual((code, err), (0, ""))
                 self.assert_same_run(run, whole, tolerance)
                 self.assertEqual(summary(run)["ranks"], after)
