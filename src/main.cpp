@@ -78,6 +78,7 @@ public:
     check_
         ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
         ->required();
+    check_->add_flag("--thorough", thorough_, "Also try what may take long: to untangle the start");
     for (CLI::App* command : {run_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
     for (CLI::App* command : {run_, resume_, check_, partition_})
@@ -123,7 +124,7 @@ public:
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
     if (*resume_) return resume(comm, {path_, overrides, arguments.petsc, checkpoint_, style_of(progress_)});
     const CaseSource source{case_, overrides, arguments.petsc};
-    if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, source);
+    if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, {source, depth()});
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
                       style_of(progress_), counters_});
@@ -141,6 +142,8 @@ private:
                                  word));
   }
 
+  CheckDepth depth() const { return thorough_ ? CheckDepth::thorough : CheckDepth::quick; }
+
   static bool is_folder(MPI_Comm comm, const std::string& path) {
     return any_of(comm, rank_of(comm) == 0 && std::filesystem::is_directory(path));
   }
@@ -155,7 +158,7 @@ private:
   std::string case_, out_, svg_, path_, checkpoint_, json_, counters_, progress_ = "auto";
   int ranks_ = 1;
   std::vector<std::string> sets_, edges_;
-  bool overwrite_ = false, table_ = false;
+  bool overwrite_ = false, table_ = false, thorough_ = false;
 };
 
 /// Of this rank alone. Installed as the handler of `new`: an exception would close files on its way here,

@@ -38,6 +38,14 @@ struct ResumeOptions {
   ProgressStyle progress = ProgressStyle::lines;
 };
 
+/// `thorough` also does what may take as long as a run.
+enum class CheckDepth { quick, thorough };
+
+struct CheckOptions {
+  CaseSource source;
+  CheckDepth depth = CheckDepth::quick;
+};
+
 struct PartitionOptions {
   CaseSource source;
   int ranks = 1;              ///< to cut the cloth for; any number of ranks can do it
@@ -52,7 +60,7 @@ struct MeshOptions {
 
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
-int check(MPI_Comm comm, const CaseSource& source);
+int check(MPI_Comm comm, const CheckOptions& options);
 
 /// Verifies the checksums of all that a run wrote in HDF5.
 int check_run(MPI_Comm comm, const std::filesystem::path& folder);

@@ -3,6 +3,7 @@
 #include "src/command/run_lock.hpp"
 #include "src/command/simulate.hpp"
 #include "src/command/start_contact.hpp"
+#include "src/command/warnings.hpp"
 
 namespace taut::command {
 
@@ -15,6 +16,7 @@ int run(MPI_Comm comm, const RunOptions& options) {
   try_petsc_options(simulation, input, options.source.petsc);
   const auto out = options.out.empty() ? std::filesystem::path("out") / input.name : options.out;
   if (!clear_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
+  warn_of_start(simulation, input);
   make_run_folder(comm, out, input.file);
   const RunLock lock(comm, out);
   clear_run_folder(comm, out, options.existing);

@@ -6,6 +6,18 @@
 
 namespace taut {
 
+namespace {
+
+/// With three digits, or as many as it takes to be seen to differ.
+std::string told_apart(double value, double limit) {
+  int digits = 3;
+  while (digits < 17 && fmt::format("{:.{}g}", value, digits) == fmt::format("{:.{}g}", limit, digits))
+    ++digits;
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+} // namespace
+
 Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::optional<double> max_stretch_change)
     : cloth_(cloth), constrain_(*resolved.inextensibility.constrain), strain_limit_(resolved.strain_limit),
       max_stretch_change_(max_stretch_change), gauge_(cloth, constrain_) {
@@ -15,7 +27,8 @@ Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::option
 std::string Acceptance::fault_of(const State& state, const Candidate& candidate, const Strain& strain) const {
   if (!std::isfinite(strain.max)) return "positions are no longer numbers";
   if (is_beyond_limit(strain))
-    return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
+    return fmt::format("the measured strain is {}, over the limit {:g}",
+                       told_apart(strain.max, *strain_limit_), *strain_limit_);
   return fault_of_stretch(state, candidate);
 }
 

@@ -275,9 +275,12 @@ MISTAKES = [
     option("petsc_option_unknown", "-- -projection_nonsense 1",
            "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
            "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or -stiffness_"),
-    option("petsc_word_without_dash", "-- nonsense", "taut: 'nonsense' behind --: what stands there are PETSc options, "
-                                                     "such "
-           "as -projection_ksp_monitor"),
+    option("petsc_word_without_dash", "-- nonsense",
+           "taut: 'nonsense' is no PETSc option: those are words such as -projection_ksp_monitor, each followed by its "
+           "value if it has one"),
+    option("too_light", "--set cloth.material.density=1e-12",
+           "taut: --set cloth.material.density=1e-12: cloth.material.density: 1e-12 is out of range; it must be at "
+           "least 1e-06"),
     option("option_unknown", "--nonsense",
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
@@ -378,6 +381,41 @@ class Output(Folder):
         (self.folder / "mesh.obj").chmod(0)
         self.assertEqual(self.run_case(),
                          (2, "taut: mesh.obj: no such file, or it may not be read; check its name"))
+
+
+class Check(Folder):
+    """`taut check` is as strict as `taut run`, and both warn of the same."""
+
+    SEVERAL = ("--set", "cloth.material.density=200", "--set", "cloth.start.translate=[0, 0, 0.5]", "--set",
+               "pins=[{vertices: [0], motion: [{time: 0, translate: [0, 0, 0.01]}]}]", "--set",
+               "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}]")
+    WARNINGS = ("cloth.material.density: no fabric weighs 200 kg/m^2",
+                "pins.0: at 0 s vertex 0 is 0.01 m away from where its pin has it: it jumps there in the first step",
+                "cloth starts inside obstacles.0 (box), a closed body, and will stay there")
+
+    def test_warnings(self):
+        for words in (("check", "case.yaml"), ("run", "case.yaml", "--out", "result")):
+            code, stderr = run(self.folder, (*words, *self.SEVERAL))
+            self.assertEqual(code, 0, stderr)
+            lines = stderr.splitlines()
+            self.assertEqual(len(lines), len(self.WARNINGS), stderr)
+            for line, words_of_it in zip(lines, self.WARNINGS):
+                self.assertTrue(line.startswith(f"taut: warning: case.yaml: {words_of_it}"), line)
+        code, stderr = run(self.folder, ("check", "case.yaml", "--set", "cloth.grid.size=[120, 1]"))
+        self.assertEqual(code, 0)
+        self.assertIn("taut: warning: case.yaml: the cloth is 120 m wide; if its mesh is in other units, give `scale`",
+                      stderr)
+
+    def test_starting_intersections(self):
+        through = ("--set", "obstacles=[{sphere: {centre: [0.5, 0.5, 0], radius: 0.3}}]")
+        code, stderr = run(self.folder, ("check", "case.yaml", *through))
+        self.assertEqual(code, 2)
+        self.assertIn("taut: the cloth starts with ", stderr)
+        untangle = (*through, "--set", "contact.start=untangle")
+        self.assertEqual(run(self.folder, ("check", "case.yaml", *untangle))[0], 0)
+        code, stderr = run(self.folder, ("check", "case.yaml", "--thorough", *untangle), 60)
+        self.assertEqual(code, 3)
+        self.assertIn("the start could not be untangled", stderr)
 
 
 class PetscOptions(Folder):
