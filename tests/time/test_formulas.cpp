@@ -40,6 +40,24 @@ TEST(HangingEdge, IsStrainedByComplianceTimesTension) {
   }
 }
 
+// Blocks along yarns are the whole matrix of a chain: wherever ranks cut it, the factor leaves nothing to
+// iterate for.
+TEST(YarnFactor, IsExactAcrossRanks) {
+  Simulation simulation(world, case_of("cloth: {line: {length: 1, vertices: 60}}\n"
+                                       "pins: [{vertices: [0]}]\n"
+                                       "time: {end: 0.1, frame_rate: 10, max_step: 0.01}\n"
+                                       "inextensibility: {strain: 1e-4}\n"));
+  Recorder recorder(simulation);
+  run_to_the_end(simulation, recorder);
+  Global projections = 0, iterations = 0;
+  for (const StepRecord& r : recorder.records) {
+    projections += r.counts.iterations;
+    iterations += r.counts.linear_iterations;
+  }
+  EXPECT_GT(projections, 10);
+  EXPECT_LE(iterations, projections);
+}
+
 TEST(MassDamping, SlowsDownAsItsRateSays) {
   constexpr double rate = 3, h = 0.01;
   Simulation simulation(world,
