@@ -1,4 +1,5 @@
 #pragma once
+#include "io/checksum.hpp"
 #include "io/whole_file.hpp"
 #include "partition/mesh_slab.hpp"
 #include "partition/types.hpp"
@@ -38,8 +39,9 @@ private:
   Close close_ = nullptr;
 };
 
-/// A file being written. It bears the name `part_of(path)` (whole_file.hpp) until `close`, which gives it its
-/// own; if it dies before, the temporary is removed and an earlier file of that name stays as it was.
+/// A file being written, and given its checksum (checksum.hpp) at the end. It bears the name `part_of(path)`
+/// (whole_file.hpp) until `close`, which gives it its own; if it dies before, the temporary is removed and an
+/// earlier file of that name stays as it was.
 class H5Writer {
 public:
   H5Writer(MPI_Comm comm, std::filesystem::path path);
@@ -82,7 +84,8 @@ void write_whole(MPI_Comm comm, const std::filesystem::path& path, const std::fu
 /// A file open for reading.
 class H5Reader {
 public:
-  H5Reader(MPI_Comm comm, std::filesystem::path path);
+  /// A checksum, if there is one, is verified first (checksum.hpp).
+  H5Reader(MPI_Comm comm, std::filesystem::path path, Checksum needed = Checksum::optional);
 
   bool has(const std::string& name) const;
   Global rows(const std::string& name) const;

@@ -66,12 +66,13 @@ T read_number(hid_t attribute) {
 
 } // namespace
 
-H5Reader::H5Reader(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(path)) {
+H5Reader::H5Reader(MPI_Comm comm, fs::path path, Checksum needed) : comm_(comm), path_(std::move(path)) {
   h5::silence();
   on_rank_0(comm_, [&] { // said plainly, before MPI-IO says it in its own way
     if (!std::ifstream(path_))
       throw InputError(fmt::format("{}: no such file, or it may not be read", path_.string()));
   });
+  verify_checksum(comm_, path_, needed);
   h5::collectively(comm_, fmt::format("{}: cannot be opened as HDF5", path_.string()), cure, [&] {
     const H5Handle access = h5::shared_access(comm_);
     file_ = h5::own(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);

@@ -1,3 +1,4 @@
+#include "io/checksum.hpp"
 #include "io/hdf5_error.hpp"
 
 #include <algorithm>
@@ -163,6 +164,7 @@ void H5Writer::close(Outlives outlives) {
   try {
     h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
                      [&] { close_file(); });
+    append_checksum(comm_, path_);
     on_rank_0(comm_, [&] { publish(path_, outlives); });
   } catch (const InputError&) {
     remove_on_rank_0(comm_, part_of(path_));

@@ -18,9 +18,16 @@ namespace {
 
 constexpr std::array<std::string_view, 6> without_use{"vn", "g", "o", "s", "usemtl", "mtllib"};
 
+/// Editors put a byte order mark at the head of UTF-8, where it says nothing.
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (text.starts_with(mark)) text.remove_prefix(mark.size());
+  return text;
+}
+
 class Parser {
 public:
-  Parser(std::string_view text, const std::string& name) : scanner_(text), name_(name) {}
+  Parser(std::string_view text, const std::string& name) : scanner_(without_mark(text)), name_(name) {}
 
   ObjFile parse() {
     while (scanner_.next_line()) {
@@ -108,7 +115,12 @@ private:
     if (error != std::errc() || (end != word.end() && *end != '/') || number == 0)
       fail(fmt::format("'{}' does not name texture coordinates; write a/b with numbers from 1",
                        word.substr(0, 40)));
-    return number > 0 ? number - 1 : std::max<Global>(0, Global(texture_points_.size()) + number);
+    if (number > 0) return number - 1;
+    const Global before = Global(texture_points_.size());
+    if (number < -before)
+      fail(fmt::format("texture coordinates {} do not exist, {} stand before this line; correct the number",
+                       number, before));
+    return before + number;
   }
 
   void add_cell(std::span<const Global> vertices, std::array<Global, 4> texture = {-1, -1, -1, -1}) {
@@ -155,10 +167,19 @@ private:
     }
   }
 
-  /// Once all points are known. Without any `vt` their numbers mean nothing.
+  void check_texture_range() const {
+    const auto count = Global(texture_points_.size());
+    for (std::size_t c = 0; c < texture_numbers_.size(); ++c)
+      if (const Global largest = std::ranges::max(texture_numbers_[c]); largest >= count)
+        fail(file_.cell_lines[c],
+             fmt::format("texture coordinates {} do not exist, the file has {}; correct the number",
+                         largest + 1, count));
+  }
+
+  /// Once all points are known.
   void resolve_texture() {
-    if (texture_points_.empty()) return;
     const auto named = [](const std::array<Global, 4>& numbers) { return numbers[0] >= 0; };
+    check_texture_range();
     if (std::ranges::none_of(texture_numbers_, named)) return;
     for (std::size_t c = 0; c < file_.cells.size(); ++c) file_.texture.push_back(texture_of(c));
   }
@@ -168,14 +189,7 @@ private:
     Corners2 corners{Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
     const auto numbers = std::span(texture_numbers_[cell]).first(std::size_t(file_.cells[cell].size()));
     if (std::ranges::min(numbers) < 0) return corners;
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      if (numbers[k] >= Global(texture_points_.size()))
-        fail(file_.cell_lines[cell],
-             fmt::format("texture coordinates {} do not exist, the file has {}; correct the "
-                         "number",
-                         numbers[k] + 1, texture_points_.size()));
-      corners[k] = texture_points_[numbers[k]];
-    }
+    for (std::size_t k = 0; k < numbers.size(); ++k) corners[k] = texture_points_[numbers[k]];
     return corners;
   }
 

@@ -76,6 +76,12 @@ void begin_part(const fs::path& path, std::string_view bytes) {
   write_all(file, bytes, path);
 }
 
+void append_to_part(const fs::path& path, std::string_view bytes) {
+  const Descriptor file(part_of(path), O_WRONLY | O_APPEND);
+  if (file.get() < 0) refuse(path);
+  write_all(file, bytes, path);
+}
+
 void reserve(const fs::path& path, std::int64_t begin, std::int64_t end) {
   claim(part_of(path), path, begin, end);
 }

@@ -21,6 +21,10 @@ std::filesystem::path part_of(const std::filesystem::path& path);
 /// rank 0 only. Throws `InputError` if the system refuses.
 void begin_part(const std::filesystem::path& path, std::string_view bytes);
 
+/// Adds bytes to the end of the file `part_of(path)`, which exists. Not collective: rank 0 only. Throws
+/// `InputError` if the system refuses.
+void append_to_part(const std::filesystem::path& path, std::string_view bytes);
+
 /// Claims room on the disk for bytes [begin, end) of the file `part_of(path)`, which exists; what is written
 /// there later cannot fail for want of room. Not collective: rank 0 only. Throws `InputError` if there is
 /// none.

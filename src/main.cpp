@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -24,6 +23,7 @@ Examples:
   mpirun -n 3 taut resume out/fine                  go on from the last checkpoint, on any number of ranks
   taut resume out/drape --set time.end=5            the same with other settings
   taut check case.yaml                              validate a case without running it
+  taut check out/drape                              verify the checksums of what a run wrote
   taut info out/drape                               what a run holds, in words
   taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
   taut mesh shirt.json --edge 5mm --out shirt.h5    mesh the panels of a sewing pattern; --svg FILE draws them
@@ -44,20 +44,6 @@ Arguments split(int argc, char** argv) {
   char** const end = argv + argc;
   char** const cut = std::find_if(argv, end, [](const char* word) { return std::string_view(word) == "--"; });
   return {{argv, cut}, {cut == end ? end : cut + 1, end}};
-}
-
-/// PETSc passes over words that belong to no option; a user should hear of them.
-void check_petsc_words(const std::vector<std::string>& words) {
-  bool value_may_follow = false;
-  for (const std::string& word : words) {
-    const bool is_option =
-        word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]));
-    if (!is_option && !value_may_follow)
-      throw InputError(fmt::format("'{}' behind --: what stands there are PETSc options, such as "
-                                   "-projection_ksp_monitor",
-                                   word));
-    value_may_follow = is_option;
-  }
 }
 
 Override parse_override(const std::string& text) {
@@ -89,7 +75,11 @@ public:
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
-    for (CLI::App* command : {run_, check_, partition_})
+    check_
+        ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
+        ->required();
+    check_->add_flag("--thorough", thorough_, "Also try what may take long: to untangle the start");
+    for (CLI::App* command : {run_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
     for (CLI::App* command : {run_, resume_, check_, partition_})
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
@@ -121,7 +111,6 @@ public:
 
   int execute(MPI_Comm comm, const Arguments& arguments) {
     check_command(arguments);
-    check_petsc_words(arguments.petsc);
     try {
       app_.parse(int(arguments.own.size()), arguments.own.data());
     } catch (const CLI::ParseError& e) {
@@ -133,10 +122,9 @@ public:
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     std::vector<Override> overrides;
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
-    if (*resume_)
-      return resume(comm, {path_, overrides, !arguments.petsc.empty(), checkpoint_, style_of(progress_)});
-    const CaseSource source{case_, overrides, !arguments.petsc.empty()};
-    if (*check_) return check(comm, source);
+    if (*resume_) return resume(comm, {path_, overrides, arguments.petsc, checkpoint_, style_of(progress_)});
+    const CaseSource source{case_, overrides, arguments.petsc};
+    if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, {source, depth()});
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
                       style_of(progress_), counters_});
@@ -154,6 +142,12 @@ private:
                                  word));
   }
 
+  CheckDepth depth() const { return thorough_ ? CheckDepth::thorough : CheckDepth::quick; }
+
+  static bool is_folder(MPI_Comm comm, const std::string& path) {
+    return any_of(comm, rank_of(comm) == 0 && std::filesystem::is_directory(path));
+  }
+
   static int print(MPI_Comm comm, const std::string& text) {
     if (rank_of(comm) == 0) fmt::print("{}\n", text);
     return success;
@@ -164,7 +158,7 @@ private:
   std::string case_, out_, svg_, path_, checkpoint_, json_, counters_, progress_ = "auto";
   int ranks_ = 1;
   std::vector<std::string> sets_, edges_;
-  bool overwrite_ = false, table_ = false;
+  bool overwrite_ = false, table_ = false, thorough_ = false;
 };
 
 /// Of this rank alone. Installed as the handler of `new`: an exception would close files on its way here,

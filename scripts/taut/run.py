@@ -2,6 +2,7 @@
 import csv
 import json
 import math
+import zlib
 from functools import cached_property
 from pathlib import Path
 from xml.etree import ElementTree
@@ -16,29 +17,45 @@ class RunError(Exception):
     """A folder does not hold what a run leaves."""
 
 
+def find_damage(path):
+    """What is wrong with a file by the checksum behind its bytes, in words; None if it is sound, or has none."""
+    data = Path(path).read_bytes()
+    body, mark, line = data.rpartition(b"\ntaut crc32 ")
+    if not mark or len(line) != 9 or line == f"{zlib.crc32(body):08x}\n".encode():
+        return None
+    return f"{path}: damaged: its bytes have the checksum {zlib.crc32(body):08x}, not {line.decode().strip()}"
+
+
 class Datasets:
-    """An HDF5 file, whose datasets are read by name: `mesh["constraints/edges"]`."""
+    """An HDF5 file, whose datasets are read by name: `mesh["constraints/edges"]`. RunError if it is damaged."""
 
     def __init__(self, path):
         self.path = Path(path)
+        self.verified = False
+
+    def open(self):
+        if not self.verified and (damage := find_damage(self.path)):
+            raise RunError(damage)
+        self.verified = True
+        return h5py.File(self.path, "r")
 
     def __getitem__(self, name):
-        with h5py.File(self.path, "r") as file:
+        with self.open() as file:
             return file[name][()]
 
     def __contains__(self, name):
-        with h5py.File(self.path, "r") as file:
+        with self.open() as file:
             return name in file
 
     @property
     def attributes(self):
-        with h5py.File(self.path, "r") as file:
+        with self.open() as file:
             return dict(file.attrs)
 
     def read_all(self):
         """{name: values}"""
         found = {}
-        with h5py.File(self.path, "r") as file:
+        with self.open() as file:
             file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset)
                             else None)
         return found

@@ -1,4 +1,6 @@
 #include "src/command/command.hpp"
+#include "src/command/start_contact.hpp"
+#include "src/command/warnings.hpp"
 #include "src/time/simulation.hpp"
 
 #include <fmt/format.h>
@@ -7,10 +9,28 @@
 
 namespace taut::command {
 
-int check(MPI_Comm comm, const CaseSource& source) {
+namespace {
+
+/// To untangle a start can take as long as a run.
+bool is_quick(const Case& input) {
+  return input.contact.value_or(config::Contact{}).start == config::StartContact::refuse;
+}
+
+} // namespace
+
+int check(MPI_Comm comm, const CheckOptions& options) {
+  const CaseSource& source = options.source;
   const Case input = load_case(comm, source);
   Simulation simulation(comm, input);
-  try_petsc_options(simulation);
+  warn_of_start(simulation, input);
+  if (options.depth == CheckDepth::thorough || is_quick(input)) {
+    if (!clear_start(simulation, input, std::filesystem::path("out") / (input.name + ".findings.vtp")))
+      return step_failure;
+  } else if (rank_of(comm) == 0) {
+    fmt::print("{}: whether the start can be untangled is tried with --thorough\n", source.file.string());
+  }
+  simulation.trial_step();
+  try_petsc_options(simulation, input, source.petsc);
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) == 0)
     fmt::print(

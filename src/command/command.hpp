@@ -17,7 +17,7 @@ enum ExitCode { success = 0, internal_error = 1, input_error = 2, step_failure =
 struct CaseSource {
   std::filesystem::path file;
   std::vector<Override> overrides;
-  bool has_petsc_options = false;
+  std::vector<std::string> petsc{}; ///< words of PETSc options, beside those of the case
 };
 
 enum class ExistingRun { refuse, overwrite };
@@ -33,9 +33,17 @@ struct RunOptions {
 struct ResumeOptions {
   std::filesystem::path folder; ///< of the run
   std::vector<Override> overrides;
-  bool has_petsc_options = false;
+  std::vector<std::string> petsc;   ///< as in CaseSource
   std::filesystem::path checkpoint; ///< empty: the latest that is whole
   ProgressStyle progress = ProgressStyle::lines;
+};
+
+/// `thorough` also does what may take as long as a run.
+enum class CheckDepth { quick, thorough };
+
+struct CheckOptions {
+  CaseSource source;
+  CheckDepth depth = CheckDepth::quick;
 };
 
 struct PartitionOptions {
@@ -52,16 +60,21 @@ struct MeshOptions {
 
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
-int check(MPI_Comm comm, const CaseSource& source);
+int check(MPI_Comm comm, const CheckOptions& options);
+
+/// Verifies the checksums of all that a run wrote in HDF5.
+int check_run(MPI_Comm comm, const std::filesystem::path& folder);
+
 int info(MPI_Comm comm, const std::filesystem::path& path);
 int partition(MPI_Comm comm, const PartitionOptions& options);
 int mesh(MPI_Comm comm, const MeshOptions& options);
 
-/// Reads the case file on rank 0 and shares it. Throws InputError.
+/// Reads the case file on rank 0 and shares it; its PETSc options, with those given, are in force then.
+/// Throws InputError. Collective.
 Case load_case(MPI_Comm comm, const CaseSource& source);
 
-/// Tries a step that is thrown away; throws InputError if PETSc was given options that it refuses or that no
-/// solver asked for.
-void try_petsc_options(Simulation& simulation);
+/// If there are PETSc options, tries a step that is thrown away; throws InputError if PETSc was given options
+/// that it refuses or that no solver asked for.
+void try_petsc_options(Simulation& simulation, const Case& input, std::span<const std::string> given);
 
 } // namespace taut::command

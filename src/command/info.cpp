@@ -96,7 +96,7 @@ std::string describe_run(const fs::path& folder) {
 }
 
 std::string describe_case(MPI_Comm comm, const fs::path& file) {
-  const Case input = load_case(comm, {file, {}, false});
+  const Case input = load_case(comm, {file, {}});
   const Cloth cloth = load_cloth(comm, input);
   const State state = start_state(cloth, input);
   const DistributedMesh& mesh = cloth.mesh;

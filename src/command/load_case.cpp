@@ -1,4 +1,5 @@
 #include "src/command/command.hpp"
+#include "src/command/petsc_options.hpp"
 #include "src/linear/session.hpp"
 
 #include <fmt/format.h>
@@ -22,10 +23,14 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
     all << in.rdbuf();
     return all.str();
   });
-  return read_case(text, file, source.overrides);
+  Case input = read_case(text, file, source.overrides);
+  input.petsc = merged_petsc_options(input.petsc, source.petsc);
+  add_petsc_options(input.petsc);
+  return input;
 }
 
-void try_petsc_options(Simulation& simulation) {
+void try_petsc_options(Simulation& simulation, const Case& input, std::span<const std::string> given) {
+  if (input.petsc.empty() && given.empty()) return;
   simulation.trial_step();
   const std::string unused = unused_petsc_options(simulation.cloth().mesh.comm);
   if (!unused.empty())

@@ -1,5 +1,6 @@
 #include "io/hdf5.hpp"
 #include "src/command/run_folder.hpp"
+#include "src/command/run_lock.hpp"
 #include "src/command/simulate.hpp"
 #include "src/command/start_contact.hpp"
 #include "src/config/changes.hpp"
@@ -76,9 +77,18 @@ void tell_changes(MPI_Comm comm, const Case& before, const Case& after) {
   }
 }
 
-/// The mesh of the run, as it was written when it began, must be the one that is there now.
+/// The mesh of the run, as it was written when it began, must be the one that is there now. Without a sound
+/// file of it the run can go on, but not be compared.
 void check_mesh(const Cloth& cloth, const fs::path& path) {
   const DistributedMesh& mesh = cloth.mesh;
+  if (const std::string damage = damage_of(mesh.comm, path, Checksum::required); !damage.empty()) {
+    if (rank_of(mesh.comm) == 0)
+      fmt::print(stderr,
+                 "taut: warning: {}; it is written anew, but whether the mesh of the case is still that "
+                 "of the run could not be checked\n",
+                 damage);
+    return;
+  }
   const H5Reader file(mesh.comm, path);
   const Slab vertices = mesh.vertex_order.slab(), edges = mesh.edge_order.slab();
   const auto differs = [&](const char* dataset, const std::string& what) {
@@ -123,11 +133,22 @@ std::optional<Case> case_before(MPI_Comm comm, const std::vector<fs::path>& file
   return std::nullopt;
 }
 
+/// A checkpoint whose pinned vertices are where the case puts them.
+Checkpoint read_of(const Simulation& simulation, const fs::path& file) {
+  Checkpoint checkpoint = read_checkpoint(file, simulation.cloth().mesh);
+  if (const auto jump = simulation.pins().find_jump(simulation.cloth(), checkpoint.state))
+    throw InputError(fmt::format("{}: {}; a motion must go on from where it was, and the checkpoint be of "
+                                 "this case",
+                                 file.string(), *jump));
+  return checkpoint;
+}
+
 /// The latest checkpoint that can be read, with a word on those that cannot.
-Checkpoint latest(const DistributedMesh& mesh, const std::vector<fs::path>& files) {
+Checkpoint latest(const Simulation& simulation, const std::vector<fs::path>& files) {
+  const DistributedMesh& mesh = simulation.cloth().mesh;
   for (std::size_t k = 0;; ++k) {
     try {
-      return read_checkpoint(files[k], mesh);
+      return read_of(simulation, files[k]);
     } catch (const InputError& e) { // on all ranks alike
       if (k + 1 == files.size()) throw;
       if (rank_of(mesh.comm) == 0)
@@ -139,7 +160,7 @@ Checkpoint latest(const DistributedMesh& mesh, const std::vector<fs::path>& file
 /// Puts the simulation where the latest sound checkpoint is; the totals of the run until then.
 Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
-  Checkpoint checkpoint = latest(mesh, files);
+  Checkpoint checkpoint = latest(simulation, files);
   simulation.restore(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
   if (rank_of(mesh.comm) == 0)
     fmt::print("resuming at t = {:.6g} s, after step {}\n", simulation.state().time, simulation.state().step);
@@ -164,10 +185,11 @@ bool has_ended(MPI_Comm comm, const fs::path& folder) {
 
 int resume(MPI_Comm comm, const ResumeOptions& options) {
   const double began = MPI_Wtime();
+  const StopSignal stop;
   const fs::path& out = options.folder;
   check_folder(comm, out);
-  const Case input =
-      load_case(comm, {out / run_files::case_as_run, options.overrides, options.has_petsc_options});
+  const RunLock lock(comm, out);
+  const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
   const std::vector<fs::path> checkpoints = candidates(comm, options);
   if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
   Simulation simulation(comm, input);
@@ -188,10 +210,10 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
                  out.string(), state.time);
     return success;
   }
-  if (options.has_petsc_options) try_petsc_options(simulation);
+  try_petsc_options(simulation, input, options.petsc);
   drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
   announce(comm, simulation, input, out);
-  return simulate(comm, input, simulation, {out, options.progress, began, std::move(totals)});
+  return simulate(comm, input, simulation, {stop, out, options.progress, began, std::move(totals)});
 }
 
 } // namespace taut::command

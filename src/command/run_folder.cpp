@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* other_folder = "choose another folder with --out";
 constexpr std::array results{run_files::mesh, run_files::steps, run_files::summary};
 
 bool holds_run(const fs::path& out) {
@@ -56,13 +57,19 @@ void on_disk(MPI_Comm comm, const fs::path& out, const char* cure, Change&& chan
 
 } // namespace
 
-void make_run_folder(MPI_Comm comm, const fs::path& out, const fs::path& case_file, ExistingRun existing) {
-  on_disk(comm, out, "choose another folder with --out", [&] {
+void make_run_folder(MPI_Comm comm, const fs::path& out, const fs::path& case_file) {
+  on_disk(comm, out, other_folder, [&] {
     if (fs::exists(out) && fs::equivalent(out, fs::absolute(case_file).parent_path()))
       throw InputError(fmt::format(
           "{}: the case file lies in this folder and would be replaced by the case as run; choose "
           "another folder with --out",
           out.string()));
+    fs::create_directories(out);
+  });
+}
+
+void clear_run_folder(MPI_Comm comm, const fs::path& out, ExistingRun existing) {
+  on_disk(comm, out, other_folder, [&] {
     if (holds_run(out)) {
       if (existing == ExistingRun::refuse)
         throw InputError(fmt::format("{}: this folder holds a run already; choose another with --out, go on "

@@ -2,8 +2,6 @@
 
 #include "io/whole_file.hpp"
 #include "src/command/counters.hpp"
-#include "src/command/stop_signal.hpp"
-#include "src/config/methods.hpp"
 #include "src/output/checkpointer.hpp"
 #include "src/output/frame_formats.hpp"
 #include "src/output/frame_writer.hpp"
@@ -63,7 +61,6 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
   const fs::path& out = context.out;
-  const StopSignal stop;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
   const std::string text = case_as_run(input);
@@ -80,7 +77,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
-  Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
+  Outcome outcome = simulation.run(observers, [&] { return context.stop.received(comm); });
 
   frames.flush();
   checkpoints.write();
@@ -98,27 +95,9 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   return exit_code(outcome.ending);
 }
 
-namespace {
-
-void warn_of_locking(const Simulation& simulation) {
-  const config::Inextensibility& limits = simulation.inextensibility();
-  const auto& pieces = simulation.cloth().pieces;
-  const bool has_triangles_only =
-      std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.triangles_only; });
-  if (!has_triangles_only || limits.constrain != config::Constrain::edges || !simulation.strain_limit())
-    return;
-  fmt::print(stderr,
-             "taut: warning: a mesh of triangles locks if all its edges keep their lengths: it folds only "
-             "along edges, in small steps; use quads, or inextensibility.constrain: vertices with method "
-             "fast_projection or newton\n");
-}
-
-} // namespace
-
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, const fs::path& out) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) != 0) return;
-  warn_of_locking(simulation);
   std::vector<std::string> files;
   for (const char* file : files_of(input.output.formats)) files.push_back((out / file).string());
   fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "

@@ -1,11 +1,13 @@
 #pragma once
 #include "src/command/command.hpp"
+#include "src/command/stop_signal.hpp"
 #include "src/output/totals.hpp"
 
 namespace taut::command {
 
 /// Where a run goes and what it has behind it.
 struct RunContext {
+  const StopSignal& stop;
   std::filesystem::path out; ///< the folder, ready for this run
   ProgressStyle progress = ProgressStyle::lines;
   double began = 0;                 ///< MPI_Wtime() when the program did

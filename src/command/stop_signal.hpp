@@ -6,7 +6,7 @@
 namespace taut {
 
 /// While it lives, SIGTERM, SIGINT and SIGUSR1 do not end the program: they ask it to end between two steps.
-/// One at a time.
+/// One at a time; it stands before a run is set up, which may take minutes.
 class StopSignal {
 public:
   StopSignal();

@@ -29,6 +29,7 @@ struct Case {
   config::Partition partition;
   config::Checkpoint checkpoint;
   config::Output output;
+  std::string petsc; ///< PETSc options of the linear solvers, as words
 
   config::ContactModel contact_model() const {
     if (contact) return contact->model;

@@ -25,6 +25,17 @@
 ///   path below.
 namespace taut::config {
 
+/// What holds for keys on their own.
+template<class V>
+void check_single_keys(V& v, Is<Case> auto& c) {
+  constexpr double most_gravity = 1e6;
+  v.check(
+      "gravity", c.gravity.cwiseAbs().maxCoeff() <= most_gravity,
+      fmt::format("is more than {:g} m/s^2; give one that steps of this length can follow", most_gravity));
+  v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
+          "must be a word without '/'; it names a folder");
+}
+
 template<class V>
 void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
@@ -43,6 +54,10 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
+  v("petsc", c.petsc,
+    {.meaning =
+         "PETSc options of the linear solvers, such as '-velocity_ksp_rtol 1e-6'; what stands behind -- "
+         "on the command line is added"});
   v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
   if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(
@@ -79,8 +94,7 @@ void describe(V& v, Is<Case> auto& c) {
           std::none_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.along || p.plane; }),
       "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
       "solver cg");
-  v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
-          "must be a word without '/'; it names a folder");
+  check_single_keys(v, c);
 }
 
 } // namespace taut::config

@@ -53,7 +53,8 @@ void describe(V& v, Is<Damping> auto& d) {
 
 template<class V>
 void describe(V& v, Is<Material> auto& m) {
-  v("density", m.density, {.unit = Unit::cloth_density, .range = positive, .meaning = "mass per area"});
+  v("density", m.density,
+    {.unit = Unit::cloth_density, .range = at_least(1e-6), .meaning = "mass per area; on a line per length"});
   v("bending", m.bending,
     {.unit = Unit::cloth_bending, .range = not_negative, .meaning = "bending stiffness"});
   v("bending_weft", m.bending_weft,

@@ -26,6 +26,10 @@ void describe(V& v, Is<Time> auto& t) {
           fmt::format("{} is above max_step, {}; make it smaller", t.min_step, t.max_step));
   v.check("frame_rate", t.frame_rate * t.min_step <= 1,
           "frames come faster than min_step allows steps; lower it");
+  constexpr double most_frames = 1e9;
+  v.check("end", t.end * t.frame_rate <= most_frames,
+          fmt::format("makes {:.3g} frames at this frame_rate, of {:g} that can be; make one of them smaller",
+                      t.end * t.frame_rate, most_frames));
   v.check("end", t.end >= t.min_step, "is less than min_step, one step; make it larger");
 }
 

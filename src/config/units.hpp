@@ -22,6 +22,10 @@ enum class Unit {
   per_newton,
 };
 
+/// rad, a full turn as it is usually rounded: a larger angle is written with its unit, as degrees without one
+/// are the usual mistake.
+inline constexpr double full_turn = 6.2832;
+
 /// How messages and documents speak of a unit.
 struct UnitName {
   Unit unit;

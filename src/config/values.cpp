@@ -39,8 +39,19 @@ bool is_not_finite(std::string_view text) {
   return word == ".inf" || word == ".nan" || word == "inf" || word == "nan" || word == "infinity";
 }
 
+void check_turn(const Spot& spot, double number) {
+  if (spot.key.unit != Unit::radian || std::abs(number) <= full_turn) return;
+  spot.fail(
+      fmt::format("{} without a unit would be radians, more than a full turn; write '{} deg', or '{} rad' if "
+                  "that is meant",
+                  number, number, number));
+}
+
 double in_si(const Spot& spot, double number, std::string_view symbol) {
-  if (symbol.empty()) return number;
+  if (symbol.empty()) {
+    check_turn(spot, number);
+    return number;
+  }
   if (const Scale* scale = find_scale(spot.key.unit, symbol)) return number * scale->times / scale->over;
   const UnitName& unit = name_of(spot.key.unit);
   spot.fail(fmt::format("'{}' is not a unit of {}; write {} as a number, or e.g. '{}'", symbol, unit.quantity,

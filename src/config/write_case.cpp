@@ -1,5 +1,6 @@
 #include "src/config/describe.hpp"
 
+#include <cmath>
 #include <initializer_list>
 #include <yaml-cpp/yaml.h>
 
@@ -70,6 +71,17 @@ void write(YAML::Emitter& out, const std::optional<T>& value) {
   write(out, *value);
 }
 
+template<class T>
+void write(YAML::Emitter& out, const T& value, const Key&) {
+  write(out, value);
+}
+
+/// With its unit where it could not be read without (full_turn).
+void write(YAML::Emitter& out, double value, const Key& key) {
+  const bool is_large_angle = key.unit == Unit::radian && std::abs(value) > full_turn;
+  out << text_of(value) + (is_large_angle ? " rad" : "");
+}
+
 /// Visitor: writes the keys of one struct.
 class Writer {
 public:
@@ -79,7 +91,7 @@ public:
   void operator()(std::string_view name, const T& value, const Key& key) {
     if (is_absent(value)) return;
     out_ << YAML::Key << std::string(name) << YAML::Value;
-    write(out_, value);
+    write(out_, value, key);
     if (key.unit != Unit::none) out_ << YAML::Comment(std::string(name_of(key.unit).symbol));
   }
   template<class T>

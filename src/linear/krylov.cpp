@@ -2,7 +2,36 @@
 
 #include "partition/error.hpp"
 
+#include <fmt/format.h>
+
 namespace taut {
+
+namespace {
+
+/// Of the right-hand side. CG stops by another norm, in which a thousandth can be many times as much in this.
+constexpr double most_left = 0.5;
+
+bool is_given(const std::string& prefix, const char* option) {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, prefix.c_str(), option, &given));
+  return given;
+}
+
+/// PETSc takes some values that mean something else to it, or end in no iteration at all.
+void check_tolerances(KSP ksp, const std::string& prefix) {
+  double relative = 0;
+  PetscInt iterations = 0;
+  check(KSPGetTolerances(ksp, &relative, nullptr, nullptr, &iterations));
+  if (iterations < 1)
+    throw InputError(
+        fmt::format("the option -{}ksp_max_it: {} is less than 1, so that nothing would be solved; "
+                    "give the most iterations there may be",
+                    prefix, iterations));
+  if (!(relative > 0 && relative < 1))
+    throw InputError(fmt::format("the option -{}ksp_rtol: {:g} is not between 0 and 1", prefix, relative));
+}
+
+} // namespace
 
 LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions& options,
                            const char* preconditioner) {
@@ -31,22 +60,49 @@ LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions&
   } catch (const std::runtime_error& e) { // on all ranks: they read the same options
     throw InputError("the options -" + prefix + "...: " + e.what());
   }
-  PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, prefix.c_str(), "-ksp_rtol", &given));
-  tolerance_is_fixed_ = given;
+  check_tolerances(ksp_, prefix);
+  tolerance_is_fixed_ = is_given(prefix, "-ksp_rtol");
+  method_is_chosen_ = is_given(prefix, "-ksp_type") || is_given(prefix, "-pc_type");
+  name_ = prefix;
 }
 
 SolveReport LinearSolver::solve(Vec rhs, Vec solution, double tolerance) {
   if (!tolerance_is_fixed_)
     check(KSPSetTolerances(ksp_, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  check(KSPSolve(ksp_, rhs, solution));
+  try {
+    check(KSPSolve(ksp_, rhs, solution));
+  } catch (const std::runtime_error& e) { // on all ranks: what PETSc says to methods that do not go together
+    if (!method_is_chosen_) throw;
+    throw InputError(fmt::format("the options -{}...: {}", name_, e.what()));
+  }
   PetscInt iterations = 0;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetIterationNumber(ksp_, &iterations));
   check(KSPGetConvergedReason(ksp_, &reason));
   SolveReport report{int(iterations), ""};
   if (reason <= 0) report.failure = KSPConvergedReasons[reason];
+  if (reason > 0 && (method_is_chosen_ || !verified_)) verify(rhs, solution);
   return report;
+}
+
+/// What calls itself converged may not have looked: preonly never does, nor does a test that options turn
+/// off.
+void LinearSolver::verify(Vec rhs, Vec solution) {
+  double whole = 0, left = 0;
+  check(VecNorm(rhs, NORM_2, &whole));
+  if (whole == 0) return;
+  Mat matrix = nullptr;
+  check(KSPGetOperators(ksp_, &matrix, nullptr));
+  if (!residual_) check(VecDuplicate(rhs, residual_.address()));
+  check(MatMult(matrix, solution, residual_));
+  check(VecAYPX(residual_, -1.0, rhs));
+  check(VecNorm(residual_, NORM_2, &left));
+  verified_ = true;
+  if (left <= most_left * whole) return;
+  throw InputError(
+      fmt::format("the options -{}...: a solve left {:.3g} of its right-hand side, measured anew, "
+                  "and called that converged; choose a method that solves",
+                  name_, left / whole));
 }
 
 } // namespace taut

@@ -13,14 +13,20 @@ public:
   LinearSolver(MPI_Comm comm, const char* name, const SolverOptions& options, const char* preconditioner);
 
   /// Solves to the relative tolerance given (but `-<name>_ksp_rtol` has the last word, and a direct solver
-  /// has none), starting from zero. Collective.
+  /// has none), starting from zero. The first solve, and every one if options chose the method, is verified
+  /// by its true residual: throws InputError if that is no solution. Collective.
   SolveReport solve(Vec rhs, Vec solution, double tolerance);
 
   operator KSP() const { return ksp_; }
 
 private:
+  void verify(Vec rhs, Vec solution);
+
+  std::string name_; ///< the prefix
   OwnedKsp ksp_;
-  bool tolerance_is_fixed_ = false;
+  OwnedVec residual_; ///< made when it is first needed
+  bool tolerance_is_fixed_ = false, method_is_chosen_ = false;
+  bool verified_ = false; ///< some solve has been
 };
 
 } // namespace taut

@@ -50,6 +50,10 @@ std::set<std::string> unused_here() {
 
 } // namespace
 
+void add_petsc_options(const std::string& options) {
+  check(PetscOptionsInsertString(nullptr, options.c_str()));
+}
+
 std::string unused_petsc_options(MPI_Comm comm) {
   const std::set<std::string> here = unused_here();
   std::istringstream of_rank_0(broadcast_text(comm, fmt::format("{}", fmt::join(here, "\n"))));

@@ -17,6 +17,10 @@ public:
   Session& operator=(const Session&) = delete;
 };
 
+/// Adds options, separated by spaces, to those that are given, or puts them in their place. Not collective,
+/// but the same on all ranks.
+void add_petsc_options(const std::string& options);
+
 /// The options given but asked for by no rank so far, e.g. because they are misspelt; the same text on every
 /// rank. A solver on some of the ranks (PCTELESCOPE, coarse grids) asks for its options there alone.
 /// Collective.

@@ -198,6 +198,24 @@ void check_format(const H5Reader& file) {
                                  file.path().string(), found, format));
 }
 
+/// What no run leaves, though it is a number.
+void check_values(const fs::path& path, const Checkpoint& c) {
+  const auto require = [&](bool plausible, const char* name, auto value) {
+    if (!plausible)
+      throw InputError(fmt::format("{}: {}: {} cannot be its value; this is no sound checkpoint of the run",
+                                   path.string(), name, value));
+  };
+  const auto is_length = [](double seconds) { return seconds >= 0 && std::isfinite(seconds); };
+  require(is_length(c.state.time), "time", c.state.time);
+  require(c.state.step >= 0, "step", c.state.step);
+  require(is_length(c.state.previous_dt) && c.state.previous_dt <= c.state.time, "previous_dt",
+          c.state.previous_dt);
+  require(is_length(c.step_size.step) && c.step_size.step > 0, "longest_step", c.step_size.step);
+  require(c.step_size.successes >= 0, "successes", c.step_size.successes);
+  require(c.step_size.patience > 0, "patience", c.step_size.patience);
+  require(c.rejected_steps >= 0, "rejected_steps", c.rejected_steps);
+}
+
 } // namespace
 
 void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const CheckpointView& checkpoint) {
@@ -211,17 +229,18 @@ void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const C
 }
 
 Checkpoint read_checkpoint(const fs::path& path, const DistributedMesh& mesh) {
-  const H5Reader file(mesh.comm, path);
+  const H5Reader file(mesh.comm, path, Checksum::required);
   check_format(file);
   Checkpoint checkpoint;
   checkpoint.case_text = file.attribute<std::string>(case_name);
   Reading reading(file, mesh);
   visit_checkpoint(checkpoint, reading);
+  check_values(path, checkpoint);
   return checkpoint;
 }
 
 std::string read_case_of_checkpoint(MPI_Comm comm, const fs::path& path) {
-  const H5Reader file(comm, path);
+  const H5Reader file(comm, path, Checksum::required);
   check_format(file);
   return file.attribute<std::string>(case_name);
 }

@@ -1,11 +1,13 @@
 #include "src/output/xdmf_sink.hpp"
 
+#include "io/checksum.hpp"
 #include "src/output/h5_field.hpp"
 #include "src/output/xdmf_descriptions.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 namespace taut {
 
@@ -19,7 +21,7 @@ constexpr const char *cells_list = XdmfSink::file, *edges_list = "edges.xdmf",
 /// Relative to the folder of the run.
 std::string file_of(Global frame) { return fmt::format("frames/frame_{:06}.h5", frame); }
 
-/// The frames before `next` that are there.
+/// The frames before `next` that are there and sound; those that are damaged are named.
 std::vector<XdmfFrame> frames_before(Global next, const FrameSource& source) {
   const std::string there = broadcast(source.cloth.mesh.comm, [&] {
     std::string flags;
@@ -27,8 +29,15 @@ std::vector<XdmfFrame> frames_before(Global next, const FrameSource& source) {
     return flags;
   });
   std::vector<XdmfFrame> frames;
-  for (Global k = 0; k < next; ++k)
-    if (there[k] == '1') frames.push_back({source.steps.frame_time(k), file_of(k)});
+  for (Global k = 0; k < next; ++k) {
+    if (there[k] != '1') continue;
+    const std::string damage =
+        damage_of(source.cloth.mesh.comm, source.folder / file_of(k), Checksum::required);
+    if (damage.empty())
+      frames.push_back({source.steps.frame_time(k), file_of(k)});
+    else if (rank_of(source.cloth.mesh.comm) == 0)
+      fmt::print(stderr, "taut: warning: {}; this frame is left out of the lists\n", damage);
+  }
   return frames;
 }
 

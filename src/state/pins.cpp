@@ -193,6 +193,29 @@ void Pins::prescribe(const State& state, double dt, Freedom& freedom, std::vecto
   }
 }
 
+std::optional<std::string> Pins::find_jump(const Cloth& cloth, const State& state) const {
+  constexpr double round_off = 1e-6; // m, and of its distance from the origin; far more than steps leave
+  Freedom freedom(cloth.mesh.vertices.size());
+  double farthest = 0;
+  std::string words;
+  for (const Held& h : held_) {
+    const config::Pin& pin = pins_[h.pin];
+    if (!cloth.mesh.owns_vertex(h.vertex) || (pin.release && state.time >= *pin.release)) continue;
+    restrict_motion(h, state.time, freedom);
+    const Vec3 &here = state.positions[h.vertex], place = place_at(pin.motion, h.start, state.time);
+    const double off = freedom.denied(h.vertex, place - here).norm();
+    if (!(off > std::max(farthest, round_off * (1 + place.norm())))) continue;
+    farthest = off;
+    words = fmt::format("pins.{}: at {:g} s vertex {} is {:.3g} m away from where its pin has it", h.pin,
+                        state.time, cloth.mesh.vertices.original[h.vertex], off);
+  }
+  const MPI_Comm comm = cloth.mesh.comm;
+  const double most = max_over(comm, farthest);
+  if (most == 0) return std::nullopt;
+  const Global speaker = max_over(comm, farthest == most ? Global(rank_of(comm)) : -1);
+  return broadcast_text(comm, words, int(speaker));
+}
+
 std::vector<Vec3> Pins::totals(const Cloth& cloth, std::span<const Vec3> reaction) const {
   std::vector<Vec3> totals(pins_.size(), Vec3::Zero());
   for (const Held& h : held_)

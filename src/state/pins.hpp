@@ -2,6 +2,9 @@
 #include "src/state/freedom.hpp"
 #include "src/state/state.hpp"
 
+#include <optional>
+#include <string>
+
 namespace taut {
 
 /// Vertices whose motion is prescribed: at rest, or along keyframes, until they are let go; in all
@@ -18,6 +21,10 @@ public:
   /// ghosts too) and gives them in `velocities`, which holds those of the start, in the directions in which
   /// they are pinned the velocity that brings them to their place. Not collective.
   void prescribe(const State& state, double dt, Freedom& freedom, std::vector<Vec3>& velocities) const;
+
+  /// Where a vertex that is pinned is not at the place its pin has for it at state.time, the farthest of
+  /// them, in words; none if there is no such vertex, up to round-off. The same on all ranks. Collective.
+  std::optional<std::string> find_jump(const Cloth& cloth, const State& state) const;
 
   /// The sum of `reaction` over the vertices of each pin that this rank owns. Not collective.
   std::vector<Vec3> totals(const Cloth& cloth, std::span<const Vec3> reaction) const;

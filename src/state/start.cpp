@@ -8,10 +8,12 @@
 #include "src/garment/load_garment.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace taut {
 
@@ -119,12 +121,39 @@ std::vector<Vec3> start_positions(const Cloth& cloth, const Case& input) {
   return positions;
 }
 
+/// Where squares overflow, or a coordinate is rounded by more than the strain limit leaves an edge, nothing
+/// could be computed.
+void check_scale(const Cloth& cloth, const Case& input, std::span<const Vec3> positions) {
+  constexpr double most = 1e9; // m
+  double farthest = 0, shortest = HUGE_VAL;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    for (const Vec3& x : {positions[i], cloth.mesh.rest_positions[i]})
+      farthest = std::max(farthest, x.allFinite() ? x.lpNorm<Eigen::Infinity>() : HUGE_VAL);
+  for (Local e = 0; e < cloth.mesh.edges.owned; ++e) shortest = std::min(shortest, cloth.rest_length[e]);
+  farthest = max_over(cloth.mesh.comm, farthest);
+  shortest = -max_over(cloth.mesh.comm, -shortest);
+  const std::string where =
+      fmt::format("{}: the cloth reaches {:.3g} m from the origin", input.file.string(), farthest);
+  if (!(farthest <= most))
+    throw InputError(fmt::format("{}, farther than {:g} m; correct `start` or its mesh, or give `scale`, the "
+                                 "metres per unit of the mesh",
+                                 where, most));
+  const double limit = config::holds_limit(input) ? input.inextensibility.strain : 0.01;
+  const double rounding = std::numeric_limits<double>::epsilon() * farthest;
+  if (10 * rounding > limit * shortest)
+    throw InputError(
+        fmt::format("{}, where coordinates are rounded by {:.1g} m: too much for a strain of {:g} of "
+                    "an edge of {:.3g} m; move the cloth near the origin",
+                    where, rounding, limit, shortest));
+}
+
 } // namespace
 
 State start_state(const Cloth& cloth, const Case& input) {
   const DistributedMesh& mesh = cloth.mesh;
   State state;
   state.positions = start_positions(cloth, input);
+  check_scale(cloth, input, state.positions);
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.multipliers.force_density.assign(mesh.edges.size(), 0.0);
   state.reported.reaction.assign(mesh.vertices.owned, Vec3::Zero());

@@ -18,7 +18,7 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input);
 /// cannot be simulated. Collective.
 Cloth load_cloth(MPI_Comm comm, const Case& input);
 
-/// At rest, in the start shape. Collective.
+/// At rest, in the start shape. Throws InputError for a cloth too far away to be computed. Collective.
 State start_state(const Cloth& cloth, const Case& input);
 
 } // namespace taut

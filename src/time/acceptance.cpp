@@ -7,6 +7,18 @@
 
 namespace taut {
 
+namespace {
+
+/// With three digits, or as many as it takes to be seen to differ.
+std::string told_apart(double value, double limit) {
+  int digits = 3;
+  while (digits < 17 && fmt::format("{:.{}g}", value, digits) == fmt::format("{:.{}g}", limit, digits))
+    ++digits;
+  return fmt::format("{:.{}g}", value, digits);
+}
+
+} // namespace
+
 Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::optional<double> max_stretch_change)
     : cloth_(cloth), constrain_(*resolved.inextensibility.constrain), strain_limit_(resolved.strain_limit),
       faces_limit_(resolved.faces_limit), max_stretch_change_(max_stretch_change), gauge_(cloth, constrain_) {
@@ -26,7 +38,8 @@ bool Acceptance::is_finite(const Candidate& candidate) const {
 std::string Acceptance::fault_of(const State& state, const Candidate& candidate, const Strain& strain) const {
   if (!std::isfinite(strain.max) || !is_finite(candidate)) return "positions are no longer numbers";
   if (is_beyond_limit(strain))
-    return fmt::format("the measured strain is {:.3g}, over the limit {:g}", strain.max, *strain_limit_);
+    return fmt::format("the measured strain is {}, over the limit {:g}",
+                       told_apart(strain.max, *strain_limit_), *strain_limit_);
   const std::string fault = fault_of_faces(candidate);
   return fault.empty() ? fault_of_stretch(state, candidate) : fault;
 }
@@ -35,7 +48,8 @@ std::string Acceptance::fault_of_faces(const Candidate& candidate) const {
   if (!faces_limit_) return "";
   const double strain = face_strain(candidate.positions);
   if (strain <= *faces_limit_) return "";
-  return fmt::format("a single triangle strains by {:.3g}, over its limit {:g}", strain, *faces_limit_);
+  return fmt::format("a single triangle strains by {}, over its limit {:g}", told_apart(strain, *faces_limit_),
+                     *faces_limit_);
 }
 
 /// How drastically stretch changes in the step [BW98 section 6].

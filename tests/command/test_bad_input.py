@@ -129,6 +129,12 @@ MISTAKES = [
     mesh("bad_number", SQUARE + "v 0 0 a\n", "taut: mesh.obj:5: 'a' is not a number; write 'v x y z' with numbers"),
     mesh("not_a_number", SQUARE + "v 0 nan 0\n",
          "taut: mesh.obj:5: 'nan' is not a finite number; give every vertex a finite place"),
+    mesh("too_far_away", "v 0 0 1e150\nv 1e150 0 0\nv 1e150 1e150 0\nv 0 1e150 0\nf 1 2 3 4\n",
+         "taut: case.yaml: the cloth reaches 1e+150 m from the origin, farther than 1e+09 m; correct `start` or its "
+         "mesh, or give `scale`, the metres per unit of the mesh"),
+    option("rounded_by_more_than_the_limit", "--set cloth.start.translate=[9e8,0,0] --set inextensibility.strain=1e-6",
+           "taut: case.yaml: the cloth reaches 9e+08 m from the origin, where coordinates are rounded by 2e-07 m: too "
+           "much for a strain of 1e-06 of an edge of 0.25 m; move the cloth near the origin"),
     mesh("index_too_high", SQUARE + "f 1 2 3 9\n",
          "taut: mesh.obj:5: vertex 9 does not exist, the file has 4; correct the number"),
     mesh("index_zero", SQUARE + "f 1 2 3 0\n", "taut: mesh.obj:5: there is no vertex 0; number the vertices from 1"),
@@ -266,9 +272,12 @@ MISTAKES = [
     option("petsc_option_unknown", "-- -projection_nonsense 1",
            "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
            "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or -stiffness_"),
-    option("petsc_word_without_dash", "-- nonsense", "taut: 'nonsense' behind --: what stands there are PETSc options, "
-                                                     "such "
-           "as -projection_ksp_monitor"),
+    option("petsc_word_without_dash", "-- nonsense",
+           "taut: 'nonsense' is no PETSc option: those are words such as -projection_ksp_monitor, each followed by its "
+           "value if it has one"),
+    option("too_light", "--set cloth.material.density=1e-12",
+           "taut: --set cloth.material.density=1e-12: cloth.material.density: 1e-12 is out of range; it must be at "
+           "least 1e-06"),
     option("option_unknown", "--nonsense",
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
@@ -371,6 +380,41 @@ class Output(Folder):
                          (2, "taut: mesh.obj: no such file, or it may not be read; check its name"))
 
 
+class Check(Folder):
+    """`taut check` is as strict as `taut run`, and both warn of the same."""
+
+    SEVERAL = ("--set", "cloth.material.density=200", "--set", "cloth.start.translate=[0, 0, 0.5]", "--set",
+               "pins=[{vertices: [0], motion: [{time: 0, translate: [0, 0, 0.01]}]}]", "--set",
+               "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}]")
+    WARNINGS = ("cloth.material.density: no fabric weighs 200 kg/m^2",
+                "pins.0: at 0 s vertex 0 is 0.01 m away from where its pin has it: it jumps there in the first step",
+                "cloth starts inside obstacles.0 (box), a closed body, and will stay there")
+
+    def test_warnings(self):
+        for words in (("check", "case.yaml"), ("run", "case.yaml", "--out", "result")):
+            code, stderr = run(self.folder, (*words, *self.SEVERAL))
+            self.assertEqual(code, 0, stderr)
+            lines = stderr.splitlines()
+            self.assertEqual(len(lines), len(self.WARNINGS), stderr)
+            for line, words_of_it in zip(lines, self.WARNINGS):
+                self.assertTrue(line.startswith(f"taut: warning: case.yaml: {words_of_it}"), line)
+        code, stderr = run(self.folder, ("check", "case.yaml", "--set", "cloth.grid.size=[120, 1]"))
+        self.assertEqual(code, 0)
+        self.assertIn("taut: warning: case.yaml: the cloth is 120 m wide; if its mesh is in other units, give `scale`",
+                      stderr)
+
+    def test_starting_intersections(self):
+        through = ("--set", "obstacles=[{sphere: {centre: [0.5, 0.5, 0], radius: 0.3}}]")
+        code, stderr = run(self.folder, ("check", "case.yaml", *through))
+        self.assertEqual(code, 2)
+        self.assertIn("taut: the cloth starts with ", stderr)
+        untangle = (*through, "--set", "contact.start=untangle")
+        self.assertEqual(run(self.folder, ("check", "case.yaml", *untangle))[0], 0)
+        code, stderr = run(self.folder, ("check", "case.yaml", "--thorough", *untangle), 60)
+        self.assertEqual(code, 3)
+        self.assertIn("the start could not be untangled", stderr)
+
+
 class PetscOptions(Folder):
     """What PETSc says differs from version to version: the message names the option's group and the word."""
 
@@ -387,6 +431,34 @@ class PetscOptions(Folder):
 
     def test_unknown_solver(self):
         self.refused("-velocity_ksp_type", "nonsense")
+
+    def test_no_iterations(self):
+        self.refused("-velocity_ksp_max_it", "-3")
+
+    def test_what_solves_nothing(self):
+        """PETSc calls each of these converged."""
+        for options in (("-velocity_ksp_type", "preonly", "-velocity_pc_type", "none"),
+                        ("-projection_ksp_type", "preonly", "-projection_pc_type", "none"),
+                        ("-velocity_ksp_atol", "1e10")):
+            code, stderr = self.run_case("--", *options)
+            self.assertEqual(code, 2, stderr)
+            self.assertRegex(stderr, r"^taut: the options -(velocity|projection)_...: a solve left \S+ of its "
+                             "right-hand side, measured anew, and called that converged")
+
+    def test_methods_that_do_not_go_together(self):
+        """With the norm of CG GMRES will not work."""
+        code, stderr = self.run_case("--", "-velocity_ksp_type", "gmres")
+        self.assertEqual(code, 2, stderr)
+        self.assertIn("taut: the options -velocity_...: ", stderr)
+
+    def test_of_the_case(self):
+        code, stderr = self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9 -velocity_nonsense 3")
+        self.assertEqual(code, 2)
+        self.assertIn("PETSc option -velocity_nonsense: no solver of this case knows it", stderr)
+        self.assertEqual(self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9", "--", "-velocity_ksp_rtol", "1e-8",
+                                       "-projection_ksp_rtol", "1e-8"), (0, ""))
+        self.assertIn("petsc: -velocity_ksp_rtol 1e-8 -projection_ksp_rtol 1e-8\n",
+                      (self.folder / "result/case.yaml").read_text())
 
 
 class Failure(Folder):

@@ -59,6 +59,17 @@ class Output(running.Folder):
                 np.testing.assert_allclose(turned[f"cells/{name}_{one}"], plain[f"cells/{name}_{other}"], 1e-6, 1e-9,
                                            err_msg=name)
 
+    def test_the_threads_that_hang_are_strained(self):
+        """Warp lies along x, weft along y; the cloth hangs by its side at x = 0, or by that at y = 0."""
+        for hanging, across, turn, pinned in (("warp", "weft", [0, 1, 0], list(range(0, 121, 11))),
+                                              ("weft", "warp", [-1, 0, 0], list(range(11)))):
+            run = self.run_case(f"by-{hanging}", "--set", f"cloth.start.rotate={{axis: {turn}, angle: 90 deg}}", "--set",
+                                f"pins=[{{vertices: {pinned}}}]", "--set", "time.end=0.2")
+            last = Datasets(run / "frames/frame_000004.h5").read_all()
+            for field in ("strain", "tension"):
+                along, other = last[f"cells/{field}_{hanging}"].mean(), last[f"cells/{field}_{across}"].mean()
+                self.assertGreater(along, 5 * abs(other), field)
+
     def test_yarns_are_listed_for_paraview(self):
         self.mesh_of(1)
         self.assertIn("mesh.h5:/constraints/yarn<", (self.folder / "on-1/edges.xdmf").read_text())

@@ -188,8 +188,8 @@ TEST(Config, RoundTripOfNumbersAndNames) {
   Case c = read(grid);
   c.name = "no: #'yes' \"null\" ~ \xc3\xa4";
   c.time.end = 0.1 + 0.2;
-  c.gravity = Vec3(-0.0, 5e-324, -1.7976931348623157e308);
   c.air.emplace();
+  c.air->wind = Vec3(-0.0, 5e-324, -1.7976931348623157e308);
   EXPECT_EQ(read(write_case(c)), c);
   EXPECT_NE(write_case(c).find("end: 0.30000000000000004"), std::string::npos);
   EXPECT_NE(write_case(c).find("max_step: 0.01 "), std::string::npos);
@@ -455,6 +455,17 @@ TEST(ConfigError, Checks) {
             at("2:15", "pins.0.near: must not be empty; a pin holds something"));
   EXPECT_EQ(error_after_cloth("pins: [{vertices: [1], motion: [{time: 1}, {time: 1}]}]"),
             at("2:32", "pins.0.motion: times must increase from keyframe to keyframe; sort them"));
+  EXPECT_THAT(
+      error("cloth: {mesh: a.obj, start: {rotate: {angle: 90}}}"),
+      testing::HasSubstr("angle: 90 without a unit would be radians, more than a full turn; write '90 deg', "
+                         "or '90 rad' if that is meant"));
+  for (const char* angle : {"90 rad", "720 deg", "-6.28"}) {
+    const Case c = read(std::string("cloth: {mesh: a.obj, start: {rotate: {angle: ") + angle + "}}}");
+    EXPECT_EQ(read_case(write_case(c), c.file.string()), c) << angle;
+  }
+  EXPECT_THAT(error_after_cloth("time: {end: 1e26}"), testing::HasSubstr("end: makes 3e+27 frames"));
+  EXPECT_THAT(error_after_cloth("gravity: [0, 0, -1e300]"),
+              testing::HasSubstr("gravity: is more than 1e+06 m/s^2"));
   EXPECT_EQ(error("cloth: {mesh: a.obj, start: {rotate: {axis: [0, 0, 0], angle: 1}}}"),
             at("1:45", "cloth.start.rotate.axis: must not be zero; a rotation needs a direction"));
   EXPECT_EQ(error_after_cloth("name: a/b"), at("2:7", "name: must be a word without '/'; it names a folder"));

@@ -232,6 +232,20 @@ TEST(MetricSet, SolveForWhatIsLeft) {
     });
 }
 
+// The prediction knows no pushes, so none is taken over from the last step.
+TEST(MetricSet, CarriesTensionButNoPush) {
+  Throw t(serial(uneven_triangles));
+  auto& stress = t.start.multipliers.stress;
+  for (std::size_t i = 0; i < stress.size(); ++i) stress[i] = Vec2(3.0 + double(i), -2.0) * (i % 2 ? 1 : -1);
+  MetricSet rows(t.cloth, limits(0.01, cg));
+  rows.start(t.start, dt, Freedom(t.held), t.candidate);
+  rows.evaluate(t.start.positions);
+  rows.finish(t.candidate);
+  for (std::size_t i = 0; i < stress.size(); ++i)
+    EXPECT_LT((t.candidate.multipliers.stress[i] - stress[i].cwiseMax(0.0)).norm(), 1e-12 * stress[i].norm())
+        << i;
+}
+
 TEST(MetricSet, LeaveTheSameShapeOnAnyPartition) {
   const auto end = [](DistributedMesh mesh) {
     Throw t(std::move(mesh));

@@ -1,7 +1,9 @@
 // Contact by impulses and by penalty springs, and what frames say of contact.
+#include "io/whole_file.hpp"
 #include "src/contact/gap_gauge.hpp"
 #include "src/contact/penalty_springs.hpp"
 #include "src/output/intersection_check.hpp"
+#include "tests/folder.hpp"
 #include "tests/simulate.hpp"
 
 #include <fmt/format.h>
@@ -215,6 +217,29 @@ TEST(Friction, OfATurningBallDragsCloth) {
     EXPECT_NEAR(speed[0], 0.2, 0.02) << model; // reached after 0.07 s
     EXPECT_NEAR(speed[1], 0.0, 0.01) << model;
   }
+}
+
+/// A strip lies across a ridge, which its edges alone meet; the ridge moves along itself, and takes it along.
+TEST(PenaltySprings, RubAgainstAMovingEdge) {
+  const Folder folder;
+  write_text_whole(
+      world, folder / "ridge.obj",
+      "v -0.05 -0.3 -0.1\nv 0.05 -0.3 -0.1\nv 0 -0.3 0\nv -0.05 0.3 -0.1\nv 0.05 0.3 -0.1\nv 0 0.3 0\n"
+      "f 1 2 3\nf 4 6 5\nf 1 4 5 2\nf 2 5 6 3\nf 3 6 4 1\n");
+  const Case input = case_of(fmt::format(
+      "cloth: {{grid: {{size: [0.1, 0.1], vertices: [8, 8]}}, start: {{translate: [-0.05, -0.05, "
+      "0.001]}}}}\n"
+      "time: {{end: 0.04, frame_rate: 25, max_step: 0.001}}\n"
+      "obstacles: [{{mesh: {}, friction: 0.5, motion: [{{time: 0}}, {{time: 1, translate: [0, 0.05, "
+      "0]}}]}}]\n"
+      "contact: {{thickness: 0.001, model: penalty}}\n",
+      (folder / "ridge.obj").string()));
+  Simulation simulation(world, input);
+  run(simulation, input);
+  const auto owned = std::span(simulation.state().velocities).first(simulation.cloth().mesh.vertices.owned);
+  const double speed = sum_of(owned)[1] / double(simulation.cloth().mesh.vertices.total);
+  EXPECT_GT(speed, 0.025);
+  EXPECT_LT(speed, 0.055);
 }
 
 /// Dropped on a ball, folding over itself.

@@ -34,6 +34,16 @@ constexpr const char* folding =
     "contact: {thickness: 3.0e-3}\n"
     "time: {end: 0.2, frame_rate: 10, max_step: 0.005}\n";
 
+/// A held square that a small box hits from below at 4 m/s: pairs stop steps, and are forgotten by the next.
+constexpr const char* hit = "cloth:\n"
+                            "  grid: {size: [0.3, 0.3], vertices: [13, 13]}\n"
+                            "pins: [{vertices: [0, 12, 156, 168]}]\n"
+                            "obstacles:\n"
+                            "  - box: {min: [0.13, 0.12, -0.08], max: [0.18, 0.17, -0.03]}\n"
+                            "    motion: [{time: 0}, {time: 0.02, translate: [0, 0, 0.08]}, {time: 0.1}]\n"
+                            "contact: {thickness: 1.0e-3}\n"
+                            "time: {end: 0.1, frame_rate: 10, max_step: 0.005}\n";
+
 /// What a program may leave of a gap in a step of the draped square: 0.1 g dt^2, m.
 constexpr double left_in_a_step = 0.1 * 9.81 * 0.005 * 0.005;
 
@@ -66,6 +76,7 @@ TEST(ContactResume, OnTheSameRanksIsEqualToTheBit) {
   EXPECT_EQ(expect_equal_to_the_bit(draped(0.1, "cg"), 1), 0) << "still in the air";
   EXPECT_GT(expect_equal_to_the_bit(draped(0.1, "cg"), 12), 5);
   EXPECT_GT(expect_equal_to_the_bit(folding, 35), 10);
+  for (const Global steps : {3, 5, 8}) expect_equal_to_the_bit(hit, steps);
 }
 
 // Two steps on, unbroken runs on different ranks differ by what their programs leave, and so do resumed ones;

@@ -61,6 +61,13 @@ TEST(Bending, OfACylinderIsHalfBKappaSquaredPerArea) {
   }
 }
 
+TEST_F(Loads, DampingOfYarnsIsProportionalToTheStiffness) {
+  constexpr double h = 0.013;
+  EXPECT_LT(relative_error(step_of(whole_, damped_bending, state_, h).matrix,
+                           (h * h + h * beta) * step_of(whole_, bending, state_, 1.0).matrix),
+            10 * round_off);
+}
+
 TEST_F(Loads, AirDragFollowsItsFormula) {
   const IndexMap& map = whole_.cloth.mesh.vertices;
   Column expected = Column::Zero(3 * map.total), velocities(3 * map.total);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <numeric>
 
@@ -187,6 +188,44 @@ TEST(Hdf5, RefusesWhatItCannotOpen) {
               HasSubstr("text.h5: cannot be opened as HDF5"));
   EXPECT_THAT(message_of([&] { H5Writer(world, folder / "none/a.h5"); }),
               AllOf(HasSubstr("none/a.h5: cannot be written"), HasSubstr("No such file or directory")));
+}
+
+// Wherever a bit changes: in the values, in tables of HDF5, in attributes, in what nobody reads.
+TEST(Checksum, TellsOfEveryChangedBit) {
+  const Folder folder;
+  const fs::path path = folder / "a.h5";
+  const Slab rows = my_slab(40);
+  write_whole(world, path, [&](H5Writer& file) {
+    file.write<double>("/group/data", numbers_of<double>(rows, 3), 3, rows);
+    file.attribute("text", std::string(300, 'x'));
+  });
+  EXPECT_EQ(damage_of(world, path, Checksum::required), "");
+  std::string bytes = text_of(path);
+  const std::size_t end = bytes.size() - std::strlen("taut crc32 89abcdef\n") - 1;
+  for (std::size_t place = 0; place < bytes.size(); place += 37) {
+    bytes[place] = char(bytes[place] ^ 1 << place % 8);
+    write_text_whole(world, path, bytes, Outlives::program);
+    EXPECT_THAT(damage_of(world, path, Checksum::required), HasSubstr("a.h5: ")) << place;
+    if (place < end) {
+      EXPECT_THAT(damage_of(world, path, Checksum::optional), HasSubstr("damaged")) << place;
+    }
+    bytes[place] = char(bytes[place] ^ 1 << place % 8);
+  }
+  write_text_whole(world, path, bytes.substr(0, end));
+  EXPECT_THAT(damage_of(world, path, Checksum::required), HasSubstr("does not end with its checksum"));
+  EXPECT_EQ(damage_of(world, path, Checksum::optional), "") << "as others write them";
+  EXPECT_THAT(damage_of(world, folder / "none.h5", Checksum::optional), HasSubstr("none.h5: no such file"));
+}
+
+// CRC-32 has a check value: that of the digits from 1 to 9 is cbf43926.
+TEST(Checksum, IsTheOneOfGzipOnAnyRanks) {
+  const Folder folder;
+  const fs::path path = folder / "a.txt";
+  if (rank_of(world) == 0) begin_part(path, "123456789");
+  append_checksum(world, path);
+  if (rank_of(world) == 0) publish(path, Outlives::program);
+  MPI_Barrier(world);
+  EXPECT_EQ(text_of(path), "123456789\ntaut crc32 cbf43926\n");
 }
 
 TEST(WholeFile, LeavesTheOldFileWhenFillingFails) {

@@ -111,9 +111,9 @@ TEST(ObjParser, ReadsVerticesAndTheirLines) {
 
 TEST(ObjParser, ReadsFacesInAllForms) {
   const Vertices quad{0, 1, 2, 3}, triangle{0, 1, 2, -1};
-  EXPECT_THAT(
-      cells_of(square + "f 1 2 3 4\nf 1/1 2/2 3/3 4/4\nf 1//1 2//1 3//1 4//1\nf 1/2/3 2/2/3 3/2/3 4/2/3\n"),
-      ElementsAre(quad, quad, quad, quad));
+  EXPECT_THAT(cells_of(square + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" +
+                       "f 1 2 3 4\nf 1/1 2/2 3/3 4/4\nf 1//1 2//1 3//1 4//1\nf 1/2/3 2/2/3 3/2/3 4/2/3\n"),
+              ElementsAre(quad, quad, quad, quad));
   EXPECT_THAT(cells_of(square + "f 1 2 3\nf -4 -3 -2\nf -4//-1 -3//-1 -2//-1"),
               ElementsAre(triangle, triangle, triangle));
   EXPECT_THAT(parse_obj(square + "f 1 2 3\n\nf 1 2 3 4\n", "file.obj").cell_lines, ElementsAre(5, 7));
@@ -135,7 +135,6 @@ TEST(ObjParser, ReadsTextureCoordinatesOfCorners) {
   EXPECT_EQ(file.texture[0], (Corners2{Vec2(0, 0), Vec2(2, 0), Vec2(0, 3), Vec2(0, 0)}));
   EXPECT_EQ(file.texture[1], (Corners2{Vec2(0, 3), Vec2(0, 0), Vec2(2, 0), Vec2(0, 0)}));
   EXPECT_TRUE(parse_obj(square + points + "f 1 2 3\n", "file.obj").texture.empty());
-  EXPECT_TRUE(parse_obj(square + "f 1/1 2/2 3/3\n", "file.obj").texture.empty()); // no vt at all
 }
 
 TEST(ObjParser, AllowsFacesWithoutTextureCoordinates) {
@@ -149,6 +148,12 @@ TEST(ObjParser, AllowsFacesWithoutTextureCoordinates) {
 TEST(ObjParser, RefusesTextureCoordinatesThatAreNotThere) {
   EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/1 2/2 3/1\n"),
             "file.obj:6: texture coordinates 2 do not exist, the file has 1; correct the number");
+  EXPECT_EQ(parse_error(square + "f 1/1 2/2 3/3\n"),
+            "file.obj:5: texture coordinates 3 do not exist, the file has 0; correct the number");
+  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/7 2 3\n"),
+            "file.obj:6: texture coordinates 7 do not exist, the file has 1; correct the number");
+  EXPECT_EQ(parse_error(square + "vt 0 0\nf 1/-2 2/1 3/1\n"),
+            "file.obj:6: texture coordinates -2 do not exist, 1 stand before this line; correct the number");
   EXPECT_EQ(parse_error(square + "vt 0\n"),
             "file.obj:5: texture coordinates need two numbers; write 'vt u v'");
 }
@@ -170,6 +175,12 @@ TEST(ObjParser, ReadsWindowsLineEnds) {
       parse_obj("# dos\r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\n\r\nf 1 2 \\\r\n3\r\n", "file.obj");
   EXPECT_THAT(file.vertex_lines, ElementsAre(2, 3, 4));
   EXPECT_THAT(file.cell_lines, ElementsAre(6));
+}
+
+TEST(ObjParser, PassesOverAByteOrderMark) {
+  const ObjFile file = parse_obj("\xEF\xBB\xBF" + square + "f 1 2 3\n", "file.obj");
+  EXPECT_EQ(file.positions.size(), 4u);
+  EXPECT_THAT(file.vertex_lines, ElementsAre(1, 2, 3, 4));
 }
 
 TEST(ObjParser, LeavesOutWhatIsNoShape) {

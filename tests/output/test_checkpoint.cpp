@@ -175,7 +175,7 @@ TEST(Checkpoint, RefusesWhatIsNoneOfTheRun) {
   for (const double share : {0.0, 0.1, 0.9, 0.999}) {
     const std::string name = fmt::format("{}.h5", share);
     copy_first(folder / "whole.h5", folder / name, share);
-    EXPECT_THAT(refusal(folder / name, mesh), HasSubstr(name + ": cannot be opened as HDF5"));
+    EXPECT_THAT(refusal(folder / name, mesh), HasSubstr(name + ": it does not end with its checksum"));
   }
   EXPECT_THAT(refusal(folder / "none.h5", mesh), HasSubstr("no such file"));
 
@@ -194,6 +194,25 @@ TEST(Checkpoint, RefusesWhatIsNoneOfTheRun) {
   write_checkpoint(folder / "broken.h5", mesh, broken);
   EXPECT_THAT(refusal(folder / "broken.h5", mesh),
               HasSubstr("velocities: it holds a number that is not finite"));
+}
+
+TEST(Checkpoint, RefusesValuesThatNoRunLeaves) {
+  const Folder folder;
+  Simulation simulation(world, case_of(falling_cloth("")));
+  const Checkpoint sound = checkpoint_of(simulation);
+  const auto refused = [&](const std::string& words, const std::function<void(Checkpoint&)>& spoil) {
+    Checkpoint spoilt = sound;
+    spoil(spoilt);
+    write_checkpoint(folder / "a.h5", simulation.cloth().mesh, spoilt);
+    EXPECT_THAT(refusal(folder / "a.h5", simulation.cloth().mesh), HasSubstr(words + " cannot be its value"));
+  };
+  refused("time: -1", [](Checkpoint& c) { c.state.time = -1; });
+  refused("time: inf", [](Checkpoint& c) { c.state.time = HUGE_VAL; });
+  refused("step: -1", [](Checkpoint& c) { c.state.step = -1; });
+  refused("longest_step: 0", [](Checkpoint& c) { c.step_size.step = 0; });
+  refused("longest_step: nan", [](Checkpoint& c) { c.step_size.step = NAN; });
+  refused("patience: 0", [](Checkpoint& c) { c.step_size.patience = 0; });
+  refused("rejected_steps: -1", [](Checkpoint& c) { c.rejected_steps = -1; });
 }
 
 TEST(Checkpoint, FilesAreFoundByTheirNames) {

@@ -1,0 +1,123 @@
+#include "src/command/warnings.hpp"
+
+#include "src/config/cloths.hpp"
+#include "src/config/methods.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace taut::command {
+
+namespace {
+
+using Warnings = std::vector<std::string>;
+
+void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) {
+  const config::Inextensibility& limits = simulation.inextensibility();
+  const auto& pieces = simulation.cloth().pieces;
+  const bool has_triangles_only =
+      std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.triangles_only; });
+  if (has_triangles_only && limits.constrain == config::Constrain::edges && simulation.strain_limit())
+    warnings.push_back("a mesh of triangles locks if all its edges keep their lengths: it folds only along "
+                       "edges, in small steps; use quads, or inextensibility.constrain: vertices with method "
+                       "fast_projection or newton");
+}
+
+/// Millimetres and inches taken for metres.
+void add_scale(const Simulation& simulation, const Case&, Warnings& warnings) {
+  constexpr double widest = 100, narrowest = 1e-3; // m
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  std::array<double, 6> ends;
+  ends.fill(-HUGE_VAL);
+  for (const Vec3& x : mesh.rest_positions)
+    for (int k = 0; k < 3; ++k) {
+      ends[k] = std::max(ends[k], x[k]);
+      ends[3 + k] = std::max(ends[3 + k], -x[k]);
+    }
+  max_in_place(mesh.comm, ends);
+  const double width = std::max({ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]});
+  if (width > widest || width < narrowest)
+    warnings.push_back(
+        fmt::format("the cloth is {:.3g} m wide; if its mesh is in other units, give `scale`, the "
+                    "metres per unit",
+                    width));
+}
+
+void add_density(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  constexpr double lightest = 3e-3, heaviest = 5; // kg/m^2
+  const auto& pieces = simulation.cloth().pieces;
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    if (const double density = pieces[k].material.density;
+        !input.cloths[k].line && (density < lightest || density > heaviest))
+      warnings.push_back(
+          fmt::format("{}.material.density: no fabric weighs {:.3g} kg/m^2; they are between {:g} "
+                      "and {:g}; g/m^2 is a unit too",
+                      config::key_of_cloth(input, k), density, lightest, heaviest));
+}
+
+void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
+  if (const auto jump = simulation.pins().find_jump(simulation.cloth(), simulation.state()))
+    warnings.push_back(fmt::format("{}: it jumps there in the first step; let `motion` begin where the cloth "
+                                   "starts, or move `start`",
+                                   *jump));
+}
+
+/// Whether a ray from `point` meets the triangle [Moeller and Trumbore 1997].
+bool is_met(const Vec3& point, const Vec3& direction, const std::array<Vec3, 3>& t) {
+  const Vec3 one = t[1] - t[0], two = t[2] - t[0], p = direction.cross(two), s = point - t[0];
+  const double volume = one.dot(p), u = s.dot(p) / volume;
+  const Vec3 q = s.cross(one);
+  const double v = direction.dot(q) / volume;
+  return volume != 0 && u >= 0 && v >= 0 && u + v <= 1 && two.dot(q) / volume > 0;
+}
+
+/// By how often a ray meets the surface of a closed body.
+bool is_inside(const Obstacles& obstacles, int body, const Vec3& point) {
+  const Vec3 direction(0.5773, 0.2113, 0.7887); // along no axis and no diagonal
+  bool inside = false;
+  for (const Element& e : obstacles.elements()) {
+    if (e.body != body || !e.is_triangle()) continue;
+    std::array<Vec3, 3> corners;
+    for (int k = 0; k < 3; ++k) corners[k] = obstacles.moved(body, obstacles.start()[e.vertices[k]], 0);
+    inside ^= is_met(point, direction, corners);
+  }
+  return inside;
+}
+
+/// Where the start does not intersect, a cloth is inside if one of its vertices is.
+void add_inside(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  const Cloth& cloth = simulation.cloth();
+  const Obstacles& obstacles = simulation.obstacles();
+  for (int body = 0; body < obstacles.bodies(); ++body) {
+    const config::Obstacle& given = input.obstacles[std::size_t(body)];
+    if (!(given.box || given.mesh) || given.sequence || obstacles.body(body).rims > 0) continue;
+    for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
+      const auto& numbers = cloth.mesh.vertices.original;
+      const auto first = std::find(numbers.begin(), numbers.begin() + cloth.mesh.vertices.owned,
+                                   cloth.pieces[k].first_vertex);
+      const Local v = Local(first - numbers.begin());
+      const bool mine = v < cloth.mesh.vertices.owned;
+      if (any_of(cloth.mesh.comm, mine && is_inside(obstacles, body, simulation.state().positions[v])))
+        warnings.push_back(
+            fmt::format("{} starts inside {}, a closed body, and will stay there; move `start` if "
+                        "it is to be outside",
+                        config::key_of_cloth(input, k), obstacles.body(body).name));
+    }
+  }
+}
+
+} // namespace
+
+void warn_of_start(const Simulation& simulation, const Case& input) {
+  Warnings warnings;
+  for (const auto add : {add_locking, add_scale, add_density, add_pins, add_inside})
+    add(simulation, input, warnings);
+  if (rank_of(simulation.cloth().mesh.comm) != 0) return;
+  for (const std::string& words : warnings)
+    fmt::print(stderr, "taut: warning: {}: {}\n", input.file.string(), words);
+}
+
+} // namespace taut::command
