@@ -15,7 +15,7 @@ MeshSlab read_mesh(MPI_Comm comm, const std::filesystem::path& path, double scal
 /// The mesh in an HDF5 file: `/rest_positions` (n, 3) numbers; `/faces` (k) integers, the vertices of one
 /// cell after the other, counted from 0; `/face_offsets` (f + 1) integers: cell c has the vertices at
 /// [offsets[c], offsets[c + 1]) of `/faces`, 2 to 4 of them; if it is there, `/texture` (k, 2) numbers, u and
-/// v of each corner in `/faces` (MeshSlab::texture). No rank holds more than its slab.
+/// v of each corner in `/faces` (MeshSlab::texture), and likewise `/rest_shape` (MeshSlab::rest_shape). No rank holds more than its slab.
 MeshSlab read_mesh_h5(MPI_Comm comm, const std::filesystem::path& path, double scale);
 
 } // namespace taut

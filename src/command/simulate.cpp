@@ -1,6 +1,7 @@
 #include "src/command/simulate.hpp"
 
 #include "io/whole_file.hpp"
+#include "src/command/arrival.hpp"
 #include "src/command/counters.hpp"
 #include "src/command/stop_signal.hpp"
 #include "src/config/methods.hpp"
@@ -22,16 +23,6 @@ namespace taut::command {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The case as run, to be run again from anywhere.
-std::string case_as_run(Case input) {
-  std::vector<std::optional<fs::path>*> paths;
-  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
-  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
-  for (auto* path : paths)
-    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
-  return write_case(input);
-}
 
 int exit_code(Ending ending) {
   switch (ending) {
@@ -61,12 +52,21 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 } // namespace
 
+std::string case_as_run(Case input) {
+  std::vector<std::optional<fs::path>*> paths;
+  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
+  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
+  for (auto* path : paths)
+    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
+  return write_case(input);
+}
+
 int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
   const fs::path& out = context.out;
   const StopSignal stop;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
-  const std::string text = case_as_run(input);
+  const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
   write_text_whole(comm, out / run_files::case_as_run, text);
   tell_of_holes(comm, input, simulation.obstacles());
 
@@ -80,7 +80,9 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
-  Outcome outcome = simulation.run(observers, [&] { return stop.received(comm); });
+  Outcome outcome = simulation.run(
+      observers, [&] { return stop.received(comm); }, [&] { return has_arrived(input, simulation); });
+  if (outcome.completed() && input.sewing) outcome = judge_seams(input, simulation);
 
   frames.flush();
   checkpoints.write();

@@ -71,6 +71,7 @@ struct Cloth {
   std::optional<std::filesystem::path> pattern; ///< as written
   std::optional<double> edge;                   ///< m, of the mesh of the pattern; there if that is
   double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
+  std::optional<UpAxis> up; ///< in the file; absent: y of a pattern, z of a mesh. z is up in the case.
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
   Material material;

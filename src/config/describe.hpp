@@ -33,6 +33,10 @@ void describe(V& v, Is<Case> auto& c) {
   v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
   v("obstacles", c.obstacles, {.meaning = "what the cloth collides with"});
+  v("sewing", c.sewing,
+    {.computed_default = "none: panels stay apart",
+     .meaning = "the panels of patterns are sewn together before the case begins; pins and obstacles are until "
+                "then as at time 0"});
   v("contact", c.contact,
     {.computed_default = "its defaults if there are obstacles, otherwise none",
      .meaning = "collisions of the cloth with itself and with obstacles"});
@@ -43,6 +47,13 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
+  v.check("sewing",
+          !c.sewing || std::all_of(c.cloths.begin(), c.cloths.end(),
+                                   [](const Cloth& cloth) { return cloth.pattern.has_value(); }),
+          "is for patterns; remove it, or give every cloth as a pattern");
+  v.check("pins",
+          !c.sewing || std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
+          "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
   v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
   if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(

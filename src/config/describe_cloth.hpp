@@ -98,13 +98,17 @@ void describe(V& v, Is<Cloth> auto& c) {
   v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
   v("pattern", c.pattern,
     {.meaning =
-         "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, not sewn"});
+         "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, and sewn if "
+     "there is `sewing`"});
   v("edge", c.edge,
     {.unit = Unit::metre,
      .range = positive,
      .computed_default = "none; a pattern needs it",
      .meaning = "length of the edges of its mesh, where the pattern gives no other"});
   v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
+  v("up", c.up,
+    {.computed_default = "y of a pattern, else z",
+     .meaning = "axis that points up in the file; y is turned to z (x, y, z become x, -z, y)"});
   v("start", c.start, {.meaning = "where the cloth starts"});
   v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
   v("material", c.material,

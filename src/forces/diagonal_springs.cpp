@@ -9,14 +9,16 @@ namespace taut {
 DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern,
                                  const PerPiece<double>& stiffness, const PerPiece<double>& damping)
     : cloth_(cloth) {
-  const auto& rest = cloth.mesh.rest_positions;
-  for (const LocalCell& cell : cloth.mesh.cells) {
+  for (std::size_t c = 0; c < cloth.mesh.cells.size(); ++c) {
+    const LocalCell& cell = cloth.mesh.cells[c];
     const auto& v = cell.vertices;
     const std::size_t piece = cloth.piece_of(v[0]);
     if (cell.size() != 4 || !stiffness.of(piece)) continue;
-    const double area = 0.5 * (rest[v[2]] - rest[v[0]]).cross(rest[v[3]] - rest[v[1]]).norm();
-    for (const std::array<Local, 2> ends : {std::array{v[0], v[2]}, std::array{v[1], v[3]}}) {
-      const double length = (rest[ends[1]] - rest[ends[0]]).norm();
+    const auto rest = corners_at_rest(cloth.mesh, c);
+    const double area = 0.5 * (rest[2] - rest[0]).cross(rest[3] - rest[1]).norm();
+    for (int k : {0, 1}) {
+      const std::array<Local, 2> ends{v[k], v[k + 2]};
+      const double length = (rest[k + 2] - rest[k]).norm();
       springs_.push_back({ends, length, *stiffness.of(piece) * length * length / (2 * area),
                           damping.of(piece).value_or(0), pattern.slots<2>(ends)});
     }

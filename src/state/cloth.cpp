@@ -11,15 +11,14 @@ namespace taut {
 namespace {
 
 /// m^2 of a face, m of a line element. For a quad, half the cross product of its diagonals.
-double measure_of(const LocalCell& cell, std::span<const Vec3> x) {
-  const auto& v = cell.vertices;
-  switch (cell.size()) {
+double measure_of(int size, const std::array<Vec3, 4>& x) {
+  switch (size) {
   case 2:
-    return (x[v[1]] - x[v[0]]).norm();
+    return (x[1] - x[0]).norm();
   case 3:
-    return 0.5 * (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]).norm();
+    return 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
   default:
-    return 0.5 * (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]).norm();
+    return 0.5 * (x[2] - x[0]).cross(x[3] - x[1]).norm();
   }
 }
 
@@ -43,15 +42,15 @@ Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces) {
   cloth.pieces = std::move(pieces);
   const DistributedMesh& mesh = cloth.mesh;
   cloth.measure.assign(mesh.vertices.size(), 0.0);
-  for (const LocalCell& cell : mesh.cells) {
-    const double share = measure_of(cell, mesh.rest_positions) / cell.size();
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+    const LocalCell& cell = mesh.cells[c];
+    const double share = measure_of(cell.size(), corners_at_rest(mesh, c)) / cell.size();
     for (int k = 0; k < cell.size(); ++k) cloth.measure[cell.vertices[k]] += share;
   }
   mesh.vertex_halo.update(cloth.measure);
   for (Local i = 0; i < mesh.vertices.size(); ++i)
     cloth.mass.push_back(cloth.pieces[cloth.piece_of(i)].material.density * cloth.measure[i]);
-  for (const auto& [a, b] : mesh.edge_vertices)
-    cloth.rest_length.push_back((mesh.rest_positions[b] - mesh.rest_positions[a]).norm());
+  cloth.rest_length = mesh.rest_lengths;
   return cloth;
 }
 

@@ -2,6 +2,8 @@
 #include "partition/distributed_mesh.hpp"
 #include "src/config/case.hpp"
 
+#include <map>
+
 namespace taut {
 
 /// One of the cloths of a case. No cell has vertices of two of them.
@@ -11,6 +13,7 @@ struct Piece {
   Global first_cell = 0;
   Global vertices = 0, cells = 0; ///< how many, over all ranks
   bool triangles_only = false;    ///< no quad and no line in it
+  std::map<std::string, std::vector<Global>> labels{}; ///< names of vertices, numbered within the piece
 };
 
 /// What does not change during a run: the mesh and what the rest shape and the material make of it.

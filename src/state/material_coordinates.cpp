@@ -40,8 +40,7 @@ int warp_side(const DistributedMesh& mesh, std::size_t cell) {
 Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell) {
   const LocalCell& c = mesh.cells[cell];
   const Corners2* texture = mesh.texture.empty() ? nullptr : &mesh.texture[cell];
-  std::array<Vec3, 4> x;
-  for (int k = 0; k < 4; ++k) x[k] = mesh.rest_positions[c.vertices[k < c.size() ? k : 0]];
+  const std::array<Vec3, 4> x = corners_at_rest(mesh, cell);
   const bool quad = c.size() == 4;
   const Vec3 normal = quad ? (x[2] - x[0]).cross(x[3] - x[1]) : (x[1] - x[0]).cross(x[2] - x[0]);
   Vec3 warp = quad      ? warp_of_quad(x, warp_side(mesh, cell))

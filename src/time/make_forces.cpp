@@ -11,6 +11,7 @@
 #include "src/forces/diagonal_springs.hpp"
 #include "src/forces/gravity.hpp"
 #include "src/forces/isometric_bending.hpp"
+#include "src/forces/seam_force.hpp"
 #include "src/forces/shear.hpp"
 #include "src/forces/springs.hpp"
 #include "src/forces/stretch.hpp"
@@ -188,6 +189,7 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
         damping_of(cloth)));
+  if (input.sewing) forces.push_back(std::make_unique<SeamForce>(cloth, pattern, *input.sewing));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
   if (input.contact_model() == config::ContactModel::constraint)
     forces.push_back(std::make_unique<CarriedContact>(cloth));
