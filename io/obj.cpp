@@ -40,6 +40,12 @@ ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Check
   return file;
 }
 
+void warn_of(const ObjFile::Unknown& unknown, const fs::path& path) {
+  fmt::print(stderr, "taut: warning: {}:{}: '{}' begins no line that is known here; {} such {} left out\n",
+             path.string(), unknown.first_line, unknown.first_word, unknown.lines,
+             unknown.lines == 1 ? "line was" : "lines were");
+}
+
 } // namespace
 
 MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
@@ -63,6 +69,7 @@ MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
   mesh.cell = scatter_slabs(comm, file.cells, mesh.cells);
   if (any_of(comm, !file.texture.empty())) mesh.texture = scatter_slabs(comm, file.texture, mesh.cells);
   mesh.cell_lines = scatter_slabs(comm, file.cell_lines, mesh.cells);
+  if (file.unknown.lines > 0) warn_of(file.unknown, path);
   return mesh;
 }
 

@@ -13,6 +13,7 @@
 namespace taut {
 
 /// The mesh in the file `path`, its coordinates multiplied by `scale` (m per unit of the file).
+/// Rank 0 warns on stderr of lines that are not known and so left out.
 MeshSlab read_obj(MPI_Comm comm, const std::filesystem::path& path, double scale);
 
 /// Only the places of the vertices, for a start shape: rank's slab `expected` of as many vertices as

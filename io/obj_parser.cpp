@@ -16,7 +16,7 @@
 namespace taut {
 namespace {
 
-constexpr std::array<std::string_view, 6> left_out{"vn", "g", "o", "s", "usemtl", "mtllib"};
+constexpr std::array<std::string_view, 6> without_use{"vn", "g", "o", "s", "usemtl", "mtllib"};
 
 class Parser {
 public:
@@ -34,8 +34,8 @@ public:
         face();
       else if (keyword == "l")
         polyline();
-      else if (std::ranges::find(left_out, keyword) == left_out.end())
-        unknown(keyword);
+      else if (std::ranges::find(without_use, keyword) == without_use.end())
+        leave_out(keyword);
     }
     check_range();
     resolve_texture();
@@ -48,9 +48,10 @@ private:
   }
   [[noreturn]] void fail(const std::string& message) const { fail(scanner_.line(), message); }
 
-  [[noreturn]] void unknown(std::string_view keyword) const {
-    fail(fmt::format("'{}' begins no line that is known here; use v, f and l, and remove other lines",
-                     keyword.substr(0, 40)));
+  void leave_out(std::string_view keyword) {
+    if (file_.unknown.lines++ > 0) return;
+    file_.unknown.first_line = scanner_.line();
+    file_.unknown.first_word = keyword.substr(0, 40);
   }
 
   void vertex() {

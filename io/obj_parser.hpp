@@ -15,10 +15,16 @@ struct ObjFile {
   std::vector<Corners2> texture;    ///< of the corners of each cell, zero without; empty if no face has it
   std::vector<Global> vertex_lines; ///< 1-based line of each vertex
   std::vector<Global> cell_lines;   ///< 1-based line of each cell
+
+  /// Lines that begin with a word that is not known here.
+  struct Unknown {
+    Global lines = 0, first_line = 0;
+    std::string first_word;
+  } unknown;
 };
 
 /// Understands `v`, `vt`, `f` with 3 or 4 vertices (a, a/b, a//c, a/b/c, relative numbers) and `l`; leaves
-/// out `vn g o s usemtl mtllib`. Not collective. Throws
+/// out `vn g o s usemtl mtllib`, and counts lines that begin with other words. Not collective. Throws
 /// `InputError` "`name`:line: what is wrong; cure".
 ObjFile parse_obj(std::string_view text, const std::string& name);
 

@@ -253,6 +253,23 @@ void give_back_memory() {
 
 } // namespace
 
+/// An owned edge has an owned vertex, and all cells there are stored.
+std::vector<char> find_threads(const DistributedMesh& mesh) {
+  std::vector<char> is_thread(mesh.edges.size(), 0);
+  for (const LocalCell& c : mesh.cells) {
+    const int n = c.size();
+    if (n == 3) continue;
+    for (int k = 0; k < (n == 2 ? 1 : n); ++k) {
+      const Local a = c.vertices[k], b = c.vertices[(k + 1) % n];
+      if (!mesh.owns_vertex(a) && !mesh.owns_vertex(b)) continue;
+      const Local edge = mesh.owns_vertex(a) ? edge_between(mesh, a, b) : edge_between(mesh, b, a);
+      is_thread[edge] = 1;
+    }
+  }
+  mesh.edge_halo.update(is_thread);
+  return is_thread;
+}
+
 double mean_edge(const DistributedMesh& mesh) {
   double sum = 0;
   for (Local e = 0; e < mesh.edges.owned; ++e) sum += mesh.rest_lengths[e];
@@ -263,6 +280,7 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
                            const std::vector<int>& owners) {
   DistributedMesh distributed = Builder(comm, mesh, owners).build(send_parts(comm, mesh, topology, owners));
   distributed.triangles_only = topology.triangles_only;
+  distributed.has_triangles = topology.has_triangles;
   give_back_memory();
   return distributed;
 }

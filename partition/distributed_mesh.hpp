@@ -60,6 +60,7 @@ struct DistributedMesh {
 
   std::vector<Vec3> rest_positions;         ///< m, of local vertices
   bool triangles_only = false;              ///< no quad and no line in the whole mesh
+  bool has_triangles = false;               ///< in the whole mesh
   std::vector<LocalCell> cells;             ///< local cells
   std::vector<Corners2> texture;            ///< of local cells; empty if the mesh has none
   std::vector<Corners2> rest_shape;         ///< the same; see MeshSlab
@@ -105,6 +106,9 @@ inline Local edge_between(const DistributedMesh& mesh, Local a, Local b) {
     if (end.other == b) return end.edge;
   return -1;
 }
+
+/// Of local edges: 1 of sides of quads and of lines, 0 of sides of triangles alone. Collective.
+std::vector<char> find_threads(const DistributedMesh& mesh);
 
 /// Of constrained edges at rest, m. Collective.
 double mean_edge(const DistributedMesh& mesh);

@@ -123,6 +123,7 @@ ListedMesh join(MPI_Comm comm, std::span<const ListedMesh> meshes) {
     append_slab(to_slabs, mesh.slab, before, has, all.slab);
     append_topology(to_slabs, mesh.topology, vertices, all.topology);
     all.topology.triangles_only &= mesh.topology.triangles_only;
+    all.topology.has_triangles |= mesh.topology.has_triangles;
     before.vertices += mesh.slab.vertices.total;
     before.cells += mesh.slab.cells.total;
     before.edges += mesh.topology.constrained_edges;

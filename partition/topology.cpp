@@ -30,6 +30,7 @@ struct Edge {
   Global number; ///< among the constrained edges, -1 if not one of them
   std::array<Global, 2> cells;
   double rest_length;
+  bool is_thread;
 };
 
 /// Where the middle of the other vertices is in the rest shape of a cell, seen along its side k, upwards or
@@ -99,14 +100,13 @@ std::optional<std::string> fault_of(const MeshSlab& mesh, std::span<const CellSi
   return std::nullopt;
 }
 
-bool has_triangles_only(MPI_Comm comm, const MeshSlab& mesh) {
-  return !any_of(
-      comm, std::any_of(mesh.cell.begin(), mesh.cell.end(), [](const Cell& c) { return c.size() != 3; }));
+bool has_cells(MPI_Comm comm, const MeshSlab& mesh, bool (*which)(const Cell&)) {
+  return any_of(comm, std::any_of(mesh.cell.begin(), mesh.cell.end(), which));
 }
 
 /// Fills `constrained_edges` and `hinges` of `topology` on the way.
 std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<const CellSide> sides,
-                             Topology& topology) {
+                             ConstrainedEdges constrained_edges, Topology& topology) {
   std::vector<Edge> edges;
   std::optional<std::string> fault;
   Global constrained = 0;
@@ -114,9 +114,10 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
     while (j < sides.size() && sides[j].low == sides[i].low && sides[j].high == sides[i].high) ++j;
     const auto group = sides.subspan(i, j - i);
     if (!fault) fault = fault_of(mesh, group);
-    const bool is_constrained =
-        topology.triangles_only ||
+    const bool is_thread =
         std::any_of(group.begin(), group.end(), [](const CellSide& s) { return s.cell_size != 3; });
+    const bool is_constrained =
+        is_thread || topology.triangles_only || constrained_edges == ConstrainedEdges::all;
     if (group.size() == 2) {
       const CellSide &left = group[group[0].runs_upwards ? 0 : 1], &right = group[group[0].runs_upwards ? 1 : 0];
       topology.hinges.push_back({left.low, left.high, left.across, right.across, group[0].run,
@@ -126,7 +127,8 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
                      group[0].high,
                      is_constrained ? constrained++ : -1,
                      {group[0].cell, group.size() > 1 ? group[1].cell : -1},
-                     group[0].length});
+                     group[0].length,
+                     is_thread});
   }
   agree(comm, fault);
   const Global first = exclusive_sum(comm, constrained);
@@ -143,7 +145,7 @@ std::vector<Spoke> collect_spokes(MPI_Comm comm, const MeshSlab& mesh, std::span
   to.reserve(2 * edges.size());
   for (const Edge& e : edges)
     for (const auto& [centre, neighbour] : {std::pair{e.low, e.high}, std::pair{e.high, e.low}}) {
-      spokes.push_back({centre, neighbour, e.number, e.cells, e.rest_length});
+      spokes.push_back({centre, neighbour, e.number, e.cells, e.rest_length, e.is_thread});
       to.push_back(slab_rank(mesh.vertices.total, size_of(comm), centre));
     }
   spokes = exchange(comm, spokes, to).items;
@@ -163,7 +165,7 @@ bool share_a_cell(const Spoke& a, const Spoke& b) {
 const Spoke* partner_of(const Spoke& s, std::span<const Spoke> star) {
   const Spoke* partner = nullptr;
   for (const Spoke& t : star) {
-    if (&t == &s || t.edge < 0 || share_a_cell(s, t)) continue;
+    if (&t == &s || !t.is_thread || share_a_cell(s, t)) continue;
     if (partner) return nullptr;
     partner = &t;
   }
@@ -172,7 +174,7 @@ const Spoke* partner_of(const Spoke& s, std::span<const Spoke> star) {
 
 void append_triples(std::span<const Spoke> star, std::vector<YarnTriple>& triples) {
   for (const Spoke& s : star) {
-    if (s.edge < 0) continue;
+    if (!s.is_thread) continue;
     const Spoke* t = partner_of(s, star);
     if (t && s.neighbour < t->neighbour && partner_of(*t, star) == &s)
       triples.push_back({s.neighbour, s.centre, t->neighbour});
@@ -217,13 +219,14 @@ std::vector<Vec3> directions_of(MPI_Comm comm, const MeshSlab& mesh, std::span<c
 
 } // namespace
 
-Topology find_topology(MPI_Comm comm, const MeshSlab& mesh) {
+Topology find_topology(MPI_Comm comm, const MeshSlab& mesh, ConstrainedEdges constrained) {
   Topology topology;
   check_cells(comm, mesh);
-  topology.triangles_only = has_triangles_only(comm, mesh);
+  topology.triangles_only = !has_cells(comm, mesh, [](const Cell& c) { return c.size() != 3; });
+  topology.has_triangles = has_cells(comm, mesh, [](const Cell& c) { return c.size() == 3; });
   {
     const auto sides = collect_sides(comm, mesh);
-    const auto edges = edges_from(comm, mesh, sides, topology);
+    const auto edges = edges_from(comm, mesh, sides, constrained, topology);
     topology.spokes = collect_spokes(comm, mesh, edges);
   }
   const auto directions =

@@ -59,6 +59,22 @@ inline MeshSlab triangle_mesh(MPI_Comm comm) {
   return slab_of_whole(comm, points, grid.cell);
 }
 
+/// A flat sheet of quads whose cells from the fourth column on are triangles.
+inline MeshSlab quads_and_triangles(MPI_Comm comm) {
+  const MeshSlab grid = make_grid(self, {0.8, 0.6}, {9, 7}, GridCells::quads);
+  std::vector<Cell> cells;
+  for (std::size_t c = 0; c < grid.cell.size(); ++c) {
+    const auto& v = grid.cell[c].vertices;
+    if (c % 8 < 3)
+      cells.push_back(grid.cell[c]);
+    else if (c % 2 == 0)
+      cells.insert(cells.end(), {{{v[0], v[1], v[2], -1}}, {{v[0], v[2], v[3], -1}}});
+    else
+      cells.insert(cells.end(), {{{v[0], v[1], v[3], -1}}, {{v[1], v[2], v[3], -1}}});
+  }
+  return slab_of_whole(comm, grid.rest_positions, cells);
+}
+
 /// Owners of all vertices, in ways no partitioner would choose: scattered, all on the last rank, and
 /// scattered over every second rank, so that the others are empty.
 inline std::vector<std::vector<int>> odd_owners(Global vertices, int ranks) {
@@ -74,22 +90,25 @@ inline std::vector<std::vector<int>> odd_owners(Global vertices, int ranks) {
 }
 
 /// `owners` of all vertices.
-inline DistributedMesh distribute_by(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners) {
+inline DistributedMesh distribute_by(MPI_Comm comm, const MeshSlab& slab, const std::vector<int>& owners,
+                                     ConstrainedEdges constrained = ConstrainedEdges::threads) {
   const auto first = owners.begin() + slab.vertices.first;
-  return distribute(comm, slab, find_topology(comm, slab), {first, first + slab.vertices.count});
+  return distribute(comm, slab, find_topology(comm, slab, constrained), {first, first + slab.vertices.count});
 }
 
 /// The whole mesh on this rank.
-inline DistributedMesh serial(const MakeMesh& make) {
+inline DistributedMesh serial(const MakeMesh& make,
+                              ConstrainedEdges constrained = ConstrainedEdges::threads) {
   const MeshSlab slab = make(self);
-  return distribute_by(self, slab, std::vector<int>(slab.vertices.total, 0));
+  return distribute_by(self, slab, std::vector<int>(slab.vertices.total, 0), constrained);
 }
 
 /// Calls `check(mesh)` for the mesh on each of the odd partitions over all ranks.
-inline void on_odd_partitions(const MakeMesh& make, const std::function<void(DistributedMesh)>& check) {
+inline void on_odd_partitions(const MakeMesh& make, const std::function<void(DistributedMesh)>& check,
+                              ConstrainedEdges constrained = ConstrainedEdges::threads) {
   const MeshSlab slab = make(world);
   for (const auto& owners : odd_owners(slab.vertices.total, size_of(world)))
-    check(distribute_by(world, slab, owners));
+    check(distribute_by(world, slab, owners, constrained));
 }
 
 /// The values of local entities from those of all, in original order.

@@ -112,7 +112,7 @@ void warn_of_locking(const Simulation& simulation) {
   fmt::print(stderr,
              "taut: warning: a mesh of triangles locks if all its edges keep their lengths: it folds only "
              "along edges, in small steps; use quads, or inextensibility.constrain: vertices with method "
-             "fast_projection and without contact\n");
+             "fast_projection or newton\n");
 }
 
 } // namespace

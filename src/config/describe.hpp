@@ -74,10 +74,6 @@ void describe(V& v, Is<Case> auto& c) {
           "method newton knows no contact yet; choose fast_projection, or contact.model: none");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");
-  v.check("inextensibility",
-          c.inextensibility.constrain != Constrain::vertices || c.contact_model() != ContactModel::constraint,
-          "contact.model constraint goes with constrain: edges only; choose that, or contact.model: impulse, "
-          "penalty or none");
   v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
           "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
   v.check(

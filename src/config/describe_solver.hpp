@@ -83,10 +83,10 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("constrain", i.constrain,
     {.computed_default =
-         "vertices on triangles alone, with fast_projection and no contact.model constraint; else edges",
+         "vertices on meshes with triangles, with methods fast_projection and newton; else edges",
      .meaning =
-         "what keeps its length: every edge, which locks meshes of triangles, or on these warp and weft "
-         "averaged at every vertex"});
+         "what keeps its length: edges, all of which lock meshes of triangles, or of triangles warp and weft "
+         "averaged at their corners; sides of quads and lines are kept in any case"});
   v("strain", i.strain, {.range = fraction, .meaning = "largest strain that is left"});
   v("solver", i.solver, {.meaning = "linear solver of a projection"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});

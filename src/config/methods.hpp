@@ -40,12 +40,11 @@ inline bool holds_limit(const Case& input) {
   return keeps && !contact_is_last(input);
 }
 
-/// What the strain limit holds for, on a mesh of triangles alone or on another.
-inline Constrain constrain_of(const Case& input, bool triangles_only) {
-  const bool averages =
-      can_average(input.inextensibility.method) && input.contact_model() != ContactModel::constraint;
-  return input.inextensibility.constrain.value_or(triangles_only && averages ? Constrain::vertices
-                                                                             : Constrain::edges);
+/// What the strain limit holds for, on meshes with triangles or without.
+inline Constrain constrain_of(const Case& input, bool has_triangles) {
+  const bool averages = can_average(input.inextensibility.method);
+  return input.inextensibility.constrain.value_or(has_triangles && averages ? Constrain::vertices
+                                                                            : Constrain::edges);
 }
 
 } // namespace taut::config

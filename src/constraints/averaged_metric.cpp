@@ -59,21 +59,33 @@ std::vector<Share> added_up(const std::vector<Share>& shares, std::span<const st
   return sums;
 }
 
+/// Calls `visit(number, material coordinates)`.
+template<class Visit>
+void for_each_triangle(const DistributedMesh& mesh, Visit&& visit) {
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (mesh.cells[c].size() == 3) visit(c, material_coordinates(mesh, c));
+}
+
 } // namespace
 
-AveragedMetric::AveragedMetric(const Cloth& cloth) : cloth_(cloth) {
+AveragedMetric::AveragedMetric(const Cloth& cloth) : cloth_(cloth), area_(cloth.mesh.vertices.size()) {
   const DistributedMesh& mesh = cloth.mesh;
+  for_each_triangle(mesh, [&](std::size_t c, const Corners2& m) {
+    for (int k = 0; k < 3; ++k) area_[mesh.cells[c].vertices[k]] += area_of(m) / 3;
+  });
+  for (const LocalCell& c : mesh.cells)
+    for (int k = 0; k < 4 && c.size() == 4; ++k) area_[c.vertices[k]] = 0;
+  mesh.vertex_halo.update(area_);
   std::vector<Share> shares;
-  for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-    const Corners2 m = material_coordinates(mesh, c);
+  for_each_triangle(mesh, [&](std::size_t c, const Corners2& m) {
     const auto& v = mesh.cells[c].vertices;
     const auto weights = weights_of(m);
     for (int s = 0; s < 3; ++s) {
       const Local edge = edge_between(mesh, v[sides[s][0]], v[sides[s][1]]);
-      for (int k = 0; k < 3 && edge >= 0; ++k) // a vertex's measure is a third of its triangles' areas
-        shares.push_back({v[k], edge, area_of(m) / (3 * cloth.measure[v[k]]) * weights[s]});
+      for (int k = 0; k < 3 && edge >= 0; ++k)
+        if (has(v[k])) shares.push_back({v[k], edge, area_of(m) / (3 * area_[v[k]]) * weights[s]});
     }
-  }
+  });
   const auto by_edge = [](const Share& s) { return s.edge; };
   const auto by_vertex = [](const Share& s) { return s.vertex; };
   by_edge_ = added_up(shares, sort_by(shares, mesh.edges.size(), by_edge));

@@ -3,9 +3,13 @@
 
 namespace taut {
 
-/// The metric of a cloth of triangles along warp and weft, |w_u|^2 and |w_v|^2 [BW98 eq. 9], averaged around
-/// each vertex with the areas of its triangles: two numbers a vertex, 1 at rest. To keep them is to keep two
-/// lengths a vertex, as warp and weft of quads do; all edges of a triangle mesh are three, which lock it.
+/// The metric of the triangles of a cloth along warp and weft, |w_u|^2 and |w_v|^2 [BW98 eq. 9], averaged
+/// around each of their corners with their areas: two numbers a vertex, 1 at rest. To keep them is to keep
+/// two lengths a vertex, as warp and weft of quads do; all edges of a triangle mesh are three, which lock it.
+///
+/// Corners that triangles share with quads are left out: the sides of quads, which are kept, are nearly two
+/// lengths a vertex there already. (With averages there too, a disc of quads within triangles that hung by
+/// two patches gained energy until no step was found.)
 ///
 /// On a triangle with the material coordinates m, an edge with dm = (u, v) has |d|^2 = u^2 g_uu + 2 u v g_uv
 /// + v^2 g_vv. So the metric is linear in the squared lengths of the edges, with weights from the rest shape,
@@ -21,7 +25,8 @@ public:
     Pair weight; ///< 1/m^2
   };
 
-  /// `cloth` must outlive the metric and have no faces but triangles. Not collective.
+  /// `cloth` must outlive the metric; its mesh has the sides of triangles as edges (ConstrainedEdges::all).
+  /// Collective.
   explicit AveragedMetric(const Cloth& cloth);
 
   /// All shares at an owned vertex.
@@ -36,10 +41,16 @@ public:
   /// At an owned vertex. Not collective.
   Pair at(Local vertex, std::span<const Vec3> positions) const;
 
+  /// Whether a local vertex is a corner of triangles and of no quad, and so has a metric.
+  bool has(Local vertex) const { return area_[vertex] > 0; }
+  /// m^2 of triangles that belong to a local vertex: a third of each.
+  double area(Local vertex) const { return area_[vertex]; }
+
   const Cloth& cloth() const { return cloth_; }
 
 private:
   const Cloth& cloth_;
+  std::vector<double> area_;
   std::vector<Share> by_vertex_, by_edge_;
   std::vector<std::size_t> vertex_begin_, edge_begin_;
 };

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace taut {
 
 EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                                 ConstraintUse use)
-    : cloth_(cloth), compliance_(options.compliance.value_or(0.0)), use_(use),
-      gradients_(cloth.mesh.edges.size()), values_(cloth.mesh.edges.owned),
+                                 ConstraintUse use, std::vector<char> constrained)
+    : cloth_(cloth), constrained_(std::move(constrained)), compliance_(options.compliance.value_or(0.0)),
+      use_(use), gradients_(cloth.mesh.edges.size(), Vec3::Zero()), values_(cloth.mesh.edges.owned),
       scaled_compliance_(cloth.mesh.edges.owned), inverse_mass_(cloth.mesh.vertices.size()) {
   if (use == ConstraintUse::with_contact) lengths_.resize(cloth.mesh.edges.owned);
 }
@@ -31,6 +32,7 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
   const DistributedMesh& mesh = cloth_.mesh;
   double max = 0;
   for (Local e = 0; e < mesh.edges.size(); ++e) {
+    if (!has(e)) continue; // values and gradients stay 0
     const auto& [a, b] = mesh.edge_vertices[e];
     const double l = cloth_.rest_length[e];
     const Vec3 d = x[b] - x[a];
@@ -43,6 +45,16 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
     max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
   }
   return max_over(mesh.comm, max);
+}
+
+double EdgeConstraints::strain(std::span<const Vec3> x) const {
+  double max = 0;
+  for (Local e = 0; e < cloth_.mesh.edges.owned; ++e) {
+    if (!has(e)) continue;
+    const double strain = strain_of(cloth_, x, e);
+    max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
+  }
+  return max_over(cloth_.mesh.comm, max);
 }
 
 void EdgeConstraints::residual(std::span<const double> mu, std::span<double> c) const {
@@ -58,7 +70,7 @@ bool EdgeConstraints::can_change(Local edge) const {
 
 void EdgeConstraints::to_mu(std::span<const double> force_density, std::span<double> mu) const {
   for (std::size_t e = 0; e < mu.size(); ++e)
-    mu[e] = 0.5 * force_density[e] * cloth_.rest_length[e] * dt_ * dt_;
+    mu[e] = has(Local(e)) ? 0.5 * force_density[e] * cloth_.rest_length[e] * dt_ * dt_ : 0.0;
 }
 
 void EdgeConstraints::to_force_density(std::span<const double> mu, std::span<double> force_density) const {

@@ -13,9 +13,10 @@ namespace taut {
 /// sag asks for a tension without bound. With contact a is bounded, see ConstraintUse.
 class EdgeConstraints {
 public:
-  /// `cloth` must outlive the constraints; no compliance in `options` is none.
+  /// `cloth` must outlive the constraints; no compliance in `options` is none. Local edges whose entry of
+  /// `constrained` is 0 have no constraint, in that no motion changes it; if it is empty, all have.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  ConstraintUse use = ConstraintUse::alone);
+                  ConstraintUse use = ConstraintUse::alone, std::vector<char> constrained = {});
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -23,6 +24,9 @@ public:
   /// Values and gradients at `x` (local vertices); returns the largest |strain| over all ranks, infinite if
   /// one is not a number. Collective.
   double evaluate(std::span<const Vec3> x);
+
+  /// The same strain alone. Collective.
+  double strain(std::span<const Vec3> x) const;
 
   /// C - a mu of owned edges; 0 of those that no motion changes, as between two held vertices. Not
   /// collective.
@@ -34,7 +38,7 @@ public:
     return freedom_.allowed(vertex, sum_at(cloth_.mesh, vertex, gradients, mu));
   }
 
-  /// mu from force densities, and back; over local edges. Not collective.
+  /// mu from force densities, 0 of edges without constraint, and back; over local edges. Not collective.
   void to_mu(std::span<const double> force_density, std::span<double> mu) const;
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
@@ -48,8 +52,11 @@ public:
   /// Whether any motion that is free changes the value of an edge. Not collective.
   bool can_change(Local edge) const;
 
+  bool has(Local edge) const { return constrained_.empty() || constrained_[edge] != 0; }
+
 private:
   const Cloth& cloth_;
+  std::vector<char> constrained_;
   double compliance_; ///< c, in 1/N
   ConstraintUse use_;
   double dt_ = 0;

@@ -1,11 +1,16 @@
 #include "src/constraints/edge_set.hpp"
 
 #include "src/constraints/projection_options.hpp"
-#include "src/constraints/strain_gauge.hpp"
 
 #include <algorithm>
 
 namespace taut {
+
+EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
+                 std::vector<char> constrained)
+    : constraints_(cloth, options, use, std::move(constrained)), options_(options), use_(use),
+      yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
+      program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : constraints_(cloth, options, use), options_(options), use_(use), change_(cloth.mesh.edges.size()),
@@ -29,9 +34,13 @@ void EdgeSet::start(const State& start, double dt, const Freedom& freedom, const
   }
 }
 
-double EdgeSet::evaluate(std::span<const Vec3> x) { return constraints_.evaluate(x); }
+void EdgeSet::subtract_force_densities(std::span<const double> of_others) {
+  std::vector<double> mu(mu_.size());
+  constraints_.to_mu(of_others, mu);
+  for (std::size_t e = 0; e < mu.size(); ++e) mu_[e] -= mu[e];
+}
 
-double EdgeSet::strain(std::span<const Vec3> x) const { return measure_strain(constraints_.cloth(), x).max; }
+double EdgeSet::evaluate(std::span<const Vec3> x) { return constraints_.evaluate(x); }
 
 void EdgeSet::finish(Candidate& candidate) const {
   constraints_.to_force_density(mu_, candidate.multipliers.force_density);
@@ -136,7 +145,7 @@ std::vector<RowPlace> EdgeSet::row_places() const {
   for (Local e = 0; e < mesh().edges.owned; ++e) {
     const Vec3 &a = mesh().rest_positions[mesh().edge_vertices[e][0]],
                &b = mesh().rest_positions[mesh().edge_vertices[e][1]];
-    result.push_back({0.5 * (a + b), (b - a).normalized(), 1.0});
+    result.push_back({0.5 * (a + b), (b - a).normalized(), constraints_.has(e) ? 1.0 : 0.0});
   }
   return result;
 }

@@ -17,10 +17,20 @@ public:
   EdgeSet(const Cloth& cloth, const config::Inextensibility& options,
           ConstraintUse use = ConstraintUse::alone);
 
+  /// As a part of a larger set, which solves for all: of local edges those marked in `constrained`, as
+  /// EdgeConstraints takes it. Collective.
+  EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
+          std::vector<char> constrained);
+
   void start(const State& start, double dt, const Freedom& freedom, const Candidate& candidate);
   double evaluate(std::span<const Vec3> x);
-  double strain(std::span<const Vec3> x) const;
+  double strain(std::span<const Vec3> x) const { return constraints_.strain(x); }
   void finish(Candidate& candidate) const;
+
+  /// For a part of a larger set: whether it has a local edge, and what of the tension that the candidate
+  /// carries others bear (of local edges, N/m). Not collective.
+  bool has(Local edge) const { return constraints_.has(edge); }
+  void subtract_force_densities(std::span<const double> of_others);
 
   SolveReport solve(double tolerance);
   Vec3 displacement(Local vertex) const {
@@ -61,9 +71,9 @@ private:
   EdgeConstraints constraints_;
   config::Inextensibility options_;
   ConstraintUse use_;
-  std::optional<ProjectionSystem> system_; ///< not in Newton's method
+  std::optional<ProjectionSystem> system_; ///< where it solves for itself
   std::optional<ThreadStiffness> threads_; ///< made when it is first needed
-  std::optional<YarnSystem> yarns_;        ///< not alone
+  std::optional<YarnSystem> yarns_;        ///< where it does not
   const State* start_ = nullptr;           ///< of the step in hand
   double dt_ = 0, strain_kept_ = 0;
   std::vector<double> change_, mu_; ///< of local edges; change_: first what is asked of the rows, then d_mu

@@ -12,10 +12,11 @@ namespace taut {
 
 MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : cloth_(cloth), options_(options), use_(use), metric_(cloth), inverse_mass_(cloth.mesh.vertices.size()),
-      gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned), residual_(metrics_),
-      scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
+      gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned, Vec2::Zero()),
+      residual_(metrics_), scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
       edge_values_(cloth.mesh.edges.size()), edge_sum_(edge_values_) {
-  for (const double area : cloth.measure) scale_.push_back(std::sqrt(area));
+  for (Local i = 0; i < cloth.mesh.vertices.size(); ++i)
+    scale_.push_back(metric_.has(i) ? std::sqrt(metric_.area(i)) : 1.0);
   find_columns();
   system_.emplace(cloth.mesh, column_begin_, column_rows_, options_of_system());
 }
@@ -67,6 +68,7 @@ double MetricSet::evaluate(std::span<const Vec3> x) {
   }
   double max = 0;
   for (Local i = 0; i < mesh.vertices.owned; ++i) {
+    if (!metric_.has(i)) continue;
     metrics_[i] = metric_.at(i, x);
     for (const double g : metrics_[i]) {
       const double strain = std::abs(std::sqrt(g) - 1.0);
@@ -173,7 +175,7 @@ std::vector<RowPlace> MetricSet::row_places() const {
       }
       Eigen::Index longest = 0;
       sum.diagonal().maxCoeff(&longest);
-      result.push_back({rest[i], sum.col(longest).normalized(), scale_[i]});
+      result.push_back({rest[i], sum.col(longest).normalized(), metric_.has(i) ? scale_[i] : 0.0});
     }
   return result;
 }
@@ -189,14 +191,31 @@ Vec3 MetricSet::displacement(Local vertex) const {
          freedom_.allowed(vertex, sum_at(cloth_.mesh, vertex, gradients_, edge_values_));
 }
 
-void MetricSet::finish(Candidate& candidate) const {
+void MetricSet::store_stress(Candidate& candidate) const {
   for (std::size_t i = 0; i < mu_.size(); ++i)
     candidate.multipliers.stress[i] = 2.0 / (dt_ * dt_ * scale_[i]) * mu_[i];
+}
+
+void MetricSet::force_densities(std::span<double> on_edges) const {
+  spread_to_edges(mu_, on_edges);
+  for (double& q : on_edges) q *= 2.0 / (dt_ * dt_);
+}
+
+void MetricSet::finish_beside_edges(Candidate& candidate) const {
+  std::vector<double> own(edge_sum_.size());
+  force_densities(own);
+  std::vector<double>& all = candidate.multipliers.force_density;
+  for (std::size_t e = 0; e < own.size(); ++e) all[e] += own[e];
+  store_stress(candidate);
+  cloth_.mesh.edge_halo.update(all);
+}
+
+void MetricSet::finish(Candidate& candidate) const {
+  store_stress(candidate);
   std::vector<double>& force_density = candidate.multipliers.force_density;
-  if (use_ == ConstraintUse::in_newton) {
-    spread_to_edges(mu_, force_density);
-    for (double& q : force_density) q *= 2.0 / (dt_ * dt_);
-  } else
+  if (use_ == ConstraintUse::in_newton)
+    force_densities(force_density);
+  else
     for (std::size_t e = 0; e < edge_sum_.size(); ++e) force_density[e] += 2.0 / (dt_ * dt_) * edge_sum_[e];
   // an edge far from owned vertices lacks triangles
   cloth_.mesh.edge_halo.update(force_density);

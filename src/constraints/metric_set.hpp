@@ -18,7 +18,8 @@ namespace taut {
 /// s/h^2, so that a strip as wide as s strains by c for each newton of its tension.
 class MetricSet {
 public:
-  /// For a mesh of triangles alone, which must outlive the set. Collective.
+  /// `cloth` must outlive the set; its mesh as AveragedMetric asks. Vertices without a metric have rows that
+  /// nothing moves. Collective.
   MetricSet(const Cloth& cloth, const config::Inextensibility& options,
             ConstraintUse use = ConstraintUse::alone);
 
@@ -26,6 +27,11 @@ public:
   double evaluate(std::span<const Vec3> x);
   double strain(std::span<const Vec3> x) const;
   void finish(Candidate& candidate) const;
+
+  /// In a larger set: what mu is as force densities of local edges, in N/m; and what `finish` does, where the
+  /// candidate has the force densities of others already. The latter collective over neighbours.
+  void force_densities(std::span<double> on_edges) const;
+  void finish_beside_edges(Candidate& candidate) const;
 
   SolveReport solve(double tolerance);
   Vec3 displacement(Local vertex) const;
@@ -72,6 +78,7 @@ private:
   Vec2 carried(const Vec2& stress) const;
   void spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const;
   void add_change();
+  void store_stress(Candidate& candidate) const;
 
   const Cloth& cloth_;
   config::Inextensibility options_;

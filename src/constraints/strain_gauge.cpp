@@ -6,7 +6,9 @@
 namespace taut {
 
 StrainGauge::StrainGauge(const Cloth& cloth, config::Constrain constrain) : cloth_(cloth) {
-  if (constrain == config::Constrain::vertices) metric_.emplace(cloth);
+  if (constrain != config::Constrain::vertices) return;
+  metric_.emplace(cloth);
+  is_thread_ = find_threads(cloth.mesh);
 }
 
 Strain StrainGauge::measure(std::span<const Vec3> positions) const {
@@ -25,11 +27,13 @@ Strain StrainGauge::measure(std::span<const Vec3> positions) const {
 double largest_strain(const AveragedMetric& metric, std::span<const Vec3> positions) {
   const DistributedMesh& mesh = metric.cloth().mesh;
   double max = 0;
-  for (Local i = 0; i < mesh.vertices.owned; ++i)
+  for (Local i = 0; i < mesh.vertices.owned; ++i) {
+    if (!metric.has(i)) continue;
     for (const double g : metric.at(i, positions)) {
       const double strain = std::sqrt(g) - 1.0;
       max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
     }
+  }
   return max_over(mesh.comm, max);
 }
 

@@ -1,8 +1,7 @@
 #include "src/filters/contact_projection.hpp"
 
 #include "partition/traffic.hpp"
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/mixed_set.hpp"
 #include "src/constraints/projection_options.hpp"
 
 #include <fmt/format.h>
@@ -157,5 +156,6 @@ void ContactProjection<Set>::propose(const State& start, double dt, Candidate& c
 
 template class ContactProjection<EdgeSet>;
 template class ContactProjection<MetricSet>;
+template class ContactProjection<MixedSet>;
 
 } // namespace taut

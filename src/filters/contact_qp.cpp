@@ -1,7 +1,6 @@
 #include "src/filters/contact_qp.hpp"
 
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/mixed_set.hpp"
 
 #include <utility>
 
@@ -138,5 +137,6 @@ void ContactQp<Set>::precondition(std::span<const double> r, std::span<double> s
 
 template class ContactQp<EdgeSet>;
 template class ContactQp<MetricSet>;
+template class ContactQp<MixedSet>;
 
 } // namespace taut

@@ -50,5 +50,6 @@ FilterReport FastProjection<Set>::apply(const State& start, double dt, const Fre
 
 template class FastProjection<EdgeSet>;
 template class FastProjection<MetricSet>;
+template class FastProjection<MixedSet>;
 
 } // namespace taut

@@ -1,6 +1,5 @@
 #pragma once
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/mixed_set.hpp"
 #include "src/filters/velocity_filter.hpp"
 
 namespace taut {

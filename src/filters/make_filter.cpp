@@ -1,5 +1,6 @@
 #include "src/filters/make_filter.hpp"
 
+#include "src/constraints/choose_set.hpp"
 #include "src/filters/fast_projection.hpp"
 #include "src/filters/icd.hpp"
 #include "src/filters/rattle.hpp"
@@ -15,9 +16,9 @@ std::unique_ptr<VelocityFilter> make_filter(const Cloth& cloth, const Pattern& p
   using enum config::InextensibilityMethod;
   switch (options.method) {
   case fast_projection:
-    if (options.constrain == config::Constrain::vertices)
-      return std::make_unique<FastProjection<MetricSet>>(cloth, options);
-    return std::make_unique<FastProjection<EdgeSet>>(cloth, options);
+    return for_chosen_set(cloth, options, [&]<ConstraintSet Set>() -> std::unique_ptr<VelocityFilter> {
+      return std::make_unique<FastProjection<Set>>(cloth, options);
+    });
   case icd:
     return std::make_unique<Icd>(cloth, pattern, options);
   case sap:

@@ -1,7 +1,6 @@
 #include "src/newton/newton_solver.hpp"
 
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/mixed_set.hpp"
 #include "src/linear/as_vectors.hpp"
 
 #include <algorithm>
@@ -236,5 +235,6 @@ void NewtonSolver<Set>::choose_multipliers(std::span<Vec3> b) {
 
 template class NewtonSolver<EdgeSet>;
 template class NewtonSolver<MetricSet>;
+template class NewtonSolver<MixedSet>;
 
 } // namespace taut

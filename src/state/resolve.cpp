@@ -23,12 +23,16 @@ double default_compliance(double strain_limit, double weight) {
 }
 
 config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
-  const config::Constrain constrain = config::constrain_of(input, cloth.mesh.triangles_only);
-  if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only)
-    throw InputError(
-        input.file.string() +
-        ": inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
-        "keep warp and weft by their edges: choose edges");
+  const config::Constrain constrain = config::constrain_of(input, cloth.mesh.has_triangles);
+  if (constrain == config::Constrain::vertices && !cloth.mesh.has_triangles)
+    throw InputError(input.file.string() + ": inextensibility.constrain: vertices is for meshes with "
+                                           "triangles; quads and lines keep warp and weft "
+                                           "by their edges: choose edges");
+  if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only &&
+      input.inextensibility.solver == config::LinearSolver::mumps)
+    throw InputError(input.file.string() +
+                     ": inextensibility.solver: mumps has no matrix for triangles beside quads or lines; "
+                     "choose cg, or constrain: edges");
   return constrain;
 }
 

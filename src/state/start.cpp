@@ -43,9 +43,10 @@ LabelledMesh load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cl
   return mesh;
 }
 
-bool has_triangles(MPI_Comm comm, const MeshSlab& mesh) {
-  return any_of(comm,
-                std::any_of(mesh.cell.begin(), mesh.cell.end(), [](const Cell& c) { return c.size() == 3; }));
+/// Sides of triangles where they are averaged over.
+ConstrainedEdges constrained_edges(const Case& input) {
+  const bool averages = config::constrain_of(input, true) == config::Constrain::vertices;
+  return averages ? ConstrainedEdges::all : ConstrainedEdges::threads;
 }
 
 } // namespace
@@ -57,7 +58,7 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   for (const config::Cloth& cloth : input.cloths) {
     auto [slab, labels] = load_mesh(comm, input, cloth);
     ListedMesh& mesh = meshes.emplace_back(ListedMesh{std::move(slab), {}});
-    mesh.topology = find_topology(comm, mesh.slab);
+    mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
     Piece& piece = all.pieces.emplace_back(
         Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, labels});
@@ -65,7 +66,7 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
     cells += c.total;
     auto& model = piece.material.bending_model;
     if (!model)
-      model = has_triangles(comm, mesh.slab) ? config::BendingModel::isometric : config::BendingModel::yarn;
+      model = mesh.topology.has_triangles ? config::BendingModel::isometric : config::BendingModel::yarn;
     if (model == config::BendingModel::yarn) mesh.topology.hinges.clear(); // nobody asks for them
   }
   all.mesh = meshes.size() == 1 ? std::move(meshes.front()) : join(comm, meshes);
@@ -126,7 +127,7 @@ State start_state(const Cloth& cloth, const Case& input) {
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.multipliers.force_density.assign(mesh.edges.size(), 0.0);
   state.reported.reaction.assign(mesh.vertices.owned, Vec3::Zero());
-  if (config::constrain_of(input, mesh.triangles_only) == config::Constrain::vertices)
+  if (config::constrain_of(input, mesh.has_triangles) == config::Constrain::vertices)
     state.multipliers.stress.assign(mesh.vertices.size(), Vec2::Zero());
   if (!input.has_contact()) return state;
   state.multipliers.carried_contact_force.assign(mesh.vertices.size(), Vec3::Zero());

@@ -2,7 +2,7 @@
 
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
-#include "src/constraints/edge_set.hpp"
+#include "src/constraints/choose_set.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/filters/impulse_contact.hpp"
 #include "src/filters/make_filter.hpp"
@@ -13,17 +13,21 @@ namespace taut {
 
 namespace {
 
-std::unique_ptr<VelocityFilter> make_contact_projection(const StepperParts& parts, const Case& input) {
-  return std::make_unique<ContactProjection<EdgeSet>>(
-      parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
-      ContactProjectionOptions{.limits = parts.resolved.inextensibility,
-                               .contact = input.contact.value_or(config::Contact{}),
-                               .gravity = input.gravity.norm(),
-                               .longest_step = input.time.max_step});
+using FilterPointer = std::unique_ptr<VelocityFilter>;
+
+FilterPointer make_contact_projection(const StepperParts& parts, const Case& input) {
+  const ContactProjectionOptions options{.limits = parts.resolved.inextensibility,
+                                         .contact = input.contact.value_or(config::Contact{}),
+                                         .gravity = input.gravity.norm(),
+                                         .longest_step = input.time.max_step};
+  return for_chosen_set(parts.cloth, options.limits, [&]<ConstraintSet Set>() -> FilterPointer {
+    return std::make_unique<ContactProjection<Set>>(parts.cloth, parts.obstacles,
+                                                    Thickness(parts.cloth, input), options);
+  });
 }
 
-std::vector<std::unique_ptr<VelocityFilter>> make_filters(const StepperParts& parts, const Case& input) {
-  std::vector<std::unique_ptr<VelocityFilter>> filters;
+std::vector<FilterPointer> make_filters(const StepperParts& parts, const Case& input) {
+  std::vector<FilterPointer> filters;
   if (input.contact_model() == config::ContactModel::constraint) {
     filters.push_back(make_contact_projection(parts, input));
     return filters;

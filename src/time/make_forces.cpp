@@ -155,7 +155,7 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
 double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
   const Material& material = cloth.pieces[k].material;
   if (material.stretch) return *material.stretch;
-  if (config::constrain_of(input, cloth.mesh.triangles_only) == config::Constrain::edges) return 0;
+  if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::edges) return 0;
   std::array<double, 2> sums{}; // kg, m^2
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
     if (cloth.piece_of(i) != k) continue;

@@ -1,8 +1,7 @@
 #include "src/time/newton_step.hpp"
 
 #include "partition/traffic.hpp"
-#include "src/constraints/edge_set.hpp"
-#include "src/constraints/metric_set.hpp"
+#include "src/constraints/mixed_set.hpp"
 #include "src/linear/kkt_system.hpp"
 
 #include <fmt/format.h>
@@ -151,5 +150,6 @@ void NewtonStep<Set>::find_reaction(double dt, Candidate& candidate) const {
 
 template class NewtonStep<EdgeSet>;
 template class NewtonStep<MetricSet>;
+template class NewtonStep<MixedSet>;
 
 } // namespace taut

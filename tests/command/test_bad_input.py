@@ -202,9 +202,8 @@ MISTAKES = [
                                                                  "half the shortest edge (0.25 m), so that neighbours "
                                                                  "would push each other apart; give at most 0.125"),
     added("averages_of_quads", "inextensibility: {constrain: vertices}\n",
-          "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in all cloths; quads and lines "
-          "keep "
-          "warp and weft by their edges: choose edges"),
+          "taut: case.yaml: inextensibility.constrain: vertices is for meshes with triangles; quads and lines "
+          "keep warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
           "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with methods fast_projection and newton "
           "only; choose one of these, or edges"),
@@ -231,10 +230,9 @@ MISTAKES = [
             "cloth 1 (0.1 m), so that neighbours would push each other apart; give at most 0.05",
             CLOTHS + "contact: {}\n",
             options=("--set", "cloths.1.thickness=0.1")),
-    Mistake("averages_beside_quads", "taut: case.yaml: inextensibility.constrain: vertices is for triangles alone, in "
-                                     "all "
-            "cloths; quads and lines keep warp and weft by their edges: choose edges",
-            CLOTHS + "inextensibility: {constrain: vertices}\n"),
+    Mistake("averages_beside_quads_by_mumps", "taut: case.yaml: inextensibility.solver: mumps has no matrix for "
+            "triangles beside quads or lines; choose cg, or constrain: edges",
+            CLOTHS + "inextensibility: {solver: mumps}\n"),
     Mistake("material_of_one_cloth", "taut: case.yaml: cloths.1.material.bending_model: yarn cannot serve this mesh: "
                                      "its "
             "triangles have no yarns; use isometric, discrete_shells or baraff_witkin", CLOTHS,

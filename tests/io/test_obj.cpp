@@ -186,8 +186,16 @@ TEST(ObjParser, NamesTheLineOfWhatIsNoNumber) {
   EXPECT_THAT(parse_error(square + "f 1 2 three\n"),
               StartsWith("file.obj:5: 'three' is not a vertex number; "));
   EXPECT_THAT(parse_error(square + "f 1 2 3.5\n"), StartsWith("file.obj:5: '3.5' is not a vertex number; "));
-  EXPECT_THAT(parse_error("\nhello\n"),
-              StartsWith("file.obj:2: 'hello' begins no line that is known here; "));
+}
+
+TEST(ObjParser, CountsLinesThatItDoesNotKnow) {
+  const ObjFile file =
+      parse_obj("# by an exporter\n" + square + "vv 1 2\ng body\nvp 0.5\nf 1 2 3 4\n", "file.obj");
+  EXPECT_EQ(file.cells.size(), 1);
+  EXPECT_EQ(file.unknown.lines, 2);
+  EXPECT_EQ(file.unknown.first_line, 6);
+  EXPECT_EQ(file.unknown.first_word, "vv");
+  EXPECT_EQ(parse_obj(square + "f 1 2 3 4\n", "file.obj").unknown.lines, 0);
 }
 
 TEST(ObjParser, RefusesWhatIsNotFinite) {
