@@ -145,11 +145,24 @@ MeshSlab read_mesh_h5(MPI_Comm comm, const fs::path& path, double scale) {
   return MeshReader(comm, path).read(scale);
 }
 
+std::vector<Vec3> read_positions(MPI_Comm comm, const fs::path& path, double scale, Slab expected) {
+  if (path.extension() != ".h5") return read_obj_positions(comm, path, scale, expected);
+  const H5Reader file(comm, path);
+  if (const Global rows = file.rows("/positions"); rows != expected.total)
+    throw InputError(fmt::format("{}: /positions has {} vertices, the mesh {}; give the vertices of the mesh, in "
+                                 "the same order, in other places",
+                                 path.string(), rows, expected.total));
+  auto positions = file.read_vectors("/positions", expected);
+  for (Vec3& p : positions) p *= scale;
+  return positions;
+}
+
 MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale) {
   const std::string extension = path.extension().string();
-  if (extension == ".obj") return read_obj(comm, path, scale);
+  for (const char* surface : {".obj", ".ply", ".stl"})
+    if (extension == surface) return read_obj(comm, path, scale);
   if (extension == ".h5") return read_mesh_h5(comm, path, scale);
-  throw InputError(fmt::format("{}: the extension '{}' is not known; give a mesh file .obj or .h5",
+  throw InputError(fmt::format("{}: the extension '{}' is not known; give a mesh file .obj, .ply, .stl or .h5",
                                path.string(), extension));
 }
 

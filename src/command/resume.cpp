@@ -209,7 +209,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   if (!input.sewing || code != success) return code;
   const CaseSource source{out / run_files::case_as_run, options.overrides, options.has_petsc_options};
   return run_sewn(comm, input, simulation,
-                  {source, out.parent_path(), ExistingRun::overwrite, options.progress, {}}, began);
+                  {source, out.parent_path(), ExistingRun::overwrite, options.progress, {}, {}}, began);
 }
 
 } // namespace taut::command

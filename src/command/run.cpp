@@ -2,13 +2,40 @@
 #include "src/command/run_folder.hpp"
 #include "src/command/sewing.hpp"
 #include "src/command/start_contact.hpp"
+#include "src/output/run_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace taut::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As `--set` would.
+void take_cloth_of(MPI_Comm comm, const fs::path& folder, CaseSource& source) {
+  const fs::path run = fs::absolute(folder).lexically_normal();
+  const std::string frame = broadcast(comm, [&] {
+    std::string last;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(run / "frames", none))
+      if (entry.path().extension() == ".h5") last = std::max(last, entry.path().string());
+    if (last.empty()) throw InputError(fmt::format("--from {}: holds no run with frames", folder.string()));
+    return last;
+  });
+  source.overrides.push_back({"cloth.mesh", (run / run_files::mesh).string()});
+  source.overrides.push_back({"cloth.start.shape", frame});
+}
+
+} // namespace
 
 int run(MPI_Comm comm, const RunOptions& given) {
   const double began = MPI_Wtime();
   RunOptions options = given;
   if (!options.counters.empty()) count_traffic();
+  if (!options.from.empty()) take_cloth_of(comm, options.from, options.source);
   const Case input = load_case(comm, options.source);
   if (options.out.empty()) options.out = std::filesystem::path("out") / input.name;
   const auto& out = options.out;

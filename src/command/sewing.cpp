@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
 
 namespace taut::command {
 
@@ -63,13 +64,40 @@ Case sewn_stage(Case input, const fs::path& out) {
   return input;
 }
 
+/// A body that stands somewhere else than its garment, or lies, comes of units and axes.
+void check_place(const Case& input, const Simulation& simulation) {
+  constexpr double farthest = 1; // m
+  const auto places = simulation.obstacles().start();
+  if (places.empty()) return;
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  std::array<double, 6> extent;
+  extent.fill(-HUGE_VAL);
+  for (Local i = 0; i < mesh.vertices.owned; ++i)
+    for (int k = 0; k < 3; ++k) {
+      extent[k] = std::max(extent[k], simulation.state().positions[i][k]);
+      extent[3 + k] = std::max(extent[3 + k], -simulation.state().positions[i][k]);
+    }
+  max_in_place(mesh.comm, extent);
+  double nearest = HUGE_VAL;
+  for (const Vec3& p : places) {
+    Vec3 outside;
+    for (int k = 0; k < 3; ++k) outside[k] = std::max({p[k] - extent[k], -extent[3 + k] - p[k], 0.0});
+    nearest = std::min(nearest, outside.norm());
+  }
+  if (nearest > farthest)
+    throw InputError(fmt::format(
+        "{}: cloth and obstacles are {:.3g} m apart, and nothing is to be dressed: the cloth is at x {:.3g} to "
+        "{:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} m, z being up; correct units (scale), the axis that points "
+        "up in the files (up), or places",
+        input.file.string(), nearest, -extent[3], extent[0], -extent[4], extent[1], -extent[5], extent[2]));
+}
+
 } // namespace
 
 fs::path sewing_folder(const fs::path& out) { return out / "sewing"; }
 
 Case sewing_stage(Case input) {
   const config::Sewing& sewing = *input.sewing;
-  input.gravity = sewing.gravity;
   input.air.reset();
   input.time.end = sewing.limit;
   input.time.until_rest.reset();
@@ -90,6 +118,7 @@ Case sewing_stage(Case input) {
 int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, double began) {
   const Case stage = sewing_stage(input);
   Simulation simulation(comm, stage);
+  check_place(input, simulation);
   if (options.source.has_petsc_options) try_petsc_options(simulation);
   if (!clear_start(simulation, stage, fs::path(options.out) += ".findings.vtp")) return step_failure;
   make_run_folder(comm, options.out, input.file, options.existing);

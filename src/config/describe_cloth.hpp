@@ -38,7 +38,7 @@ void describe(V& v, Is<Rotation> auto& r) {
 
 template<class V>
 void describe(V& v, Is<Start> auto& s) {
-  v("shape", s.shape, {.meaning = "OBJ file with the same vertices in other places"});
+  v("shape", s.shape, {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
   v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
   v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
 }
@@ -95,7 +95,7 @@ void describe(V& v, Is<Cloth> auto& c) {
   v.exactly_one({"grid", "line", "mesh", "pattern"});
   v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
   v("line", c.line, {.meaning = "a chain of line elements along x"});
-  v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
+  v("mesh", c.mesh, {.meaning = "mesh file (.obj, .ply, .stl or .h5), relative to the case file"});
   v("pattern", c.pattern,
     {.meaning =
          "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, and sewn if "

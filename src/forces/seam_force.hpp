@@ -6,8 +6,9 @@
 namespace taut {
 
 /// Draws the two edges of every seam together: a string from each vertex to that which it is sewn to, whose
-/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing. What the string is
-/// too long by, e = max(|d| - L, 0), costs
+/// length L(t) shrinks from what it is at rest to nothing. All shrink by the same lengths, the longest to
+/// nothing in the time of sewing, so that panels beside each other are joined before what they make up is
+/// closed around a body. What the string is too long by, e = max(|d| - L, 0), costs
 ///
 ///     E = k/2 e^2 up to e = F/k, from there on F e - F^2/(2k)   [Huber 1964],
 ///
@@ -22,7 +23,7 @@ public:
   /// Of a string relative to the length of seam at its vertex.
   static constexpr double closed = 2e-3;
 
-  /// `cloth` must outlive the force. Not collective.
+  /// `cloth` must outlive the force. Collective.
   SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing);
 
   std::string_view name() const override { return "seams"; }
@@ -38,10 +39,11 @@ private:
     double stiffness;          ///< N/m
     Pattern::Slots<2> slots;
   };
-  double part_left(double time) const;
+  double taken_in(double time) const;
 
   const Cloth& cloth_;
-  double time_;
+  double time_;        ///< s
+  double longest_ = 0; ///< m, of all strings at the start
   std::vector<String> strings_;
 };
 

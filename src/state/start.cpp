@@ -1,7 +1,6 @@
 #include "src/state/start.hpp"
 
 #include "io/mesh_file.hpp"
-#include "io/obj.hpp"
 #include "partition/grid.hpp"
 #include "src/config/methods.hpp"
 #include "src/config/up.hpp"
@@ -9,8 +8,10 @@
 #include "src/garment/load_garment.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 
 namespace taut {
 
@@ -27,6 +28,8 @@ struct LabelledMesh {
 
 LabelledMesh load_pattern(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
   const auto garment = garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
+  for (const std::string& warning : garment.mesh.warnings) // rank 0 has them
+    fmt::print(stderr, "taut: warning: {}\n", warning);
   const auto joints = input.sewing ? garment::Joints::of_seams : garment::Joints::none;
   return {garment::share_out(comm, garment, joints), garment::share_labels(comm, garment.mesh.labels)};
 }
@@ -88,7 +91,7 @@ void take_shape(const Cloth& cloth, const Case& input, std::size_t k, std::vecto
   const config::Cloth& given = input.cloths[k];
   const int ranks = size_of(mesh.comm);
   const Slab mine = slab_of(piece.vertices, ranks, rank_of(mesh.comm)), all = mesh.vertex_order.slab();
-  auto shape = read_obj_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
+  auto shape = read_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
   config::turn_upright(up_of(given), shape);
   std::vector<int> to;
   for (Global i = 0; i < mine.count; ++i)

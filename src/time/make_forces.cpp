@@ -181,7 +181,8 @@ void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern,
                    const Case& input) {
   Forces forces;
-  forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
+  // What is made of the weight, as stretch_stiffness, is the same while the cloth is sewn.
+  forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? input.sewing->gravity : input.gravity));
   add_bending(cloth, pattern, input, forces);
   add_shear(cloth, pattern, input, forces);
   add_stretch(cloth, pattern, input, forces);
