@@ -61,7 +61,8 @@ private:
       }
       add_corner(x);
     }
-    if (!found) fail("it is neither a binary STL file of the length it says, nor does it begin with 'solid'");
+    if (!found || file_.cells.empty())
+      fail("it is neither a binary STL file of the length it says, nor an ascii one with triangles");
     if (corners_ != 0) fail("a triangle lacks corners");
   }
 

@@ -50,7 +50,7 @@ TEST(Sewn, VerticesOfSeveralSeamsAreOne) {
       for (const auto& [a, b] : seam.pairs) EXPECT_EQ(sewn.number[a], sewn.number[b]);
     for (std::size_t v = 0; v < joint.size(); ++v)
       for (std::size_t w = 0; w < v; ++w)
-        if (sewn.number[v] == sewn.number[w]) EXPECT_EQ(joint[v], joint[w]);
+        EXPECT_EQ(sewn.number[v] == sewn.number[w], joint[v] == joint[w]);
   }
 }
 
@@ -80,7 +80,7 @@ TEST(Sewn, CellsAgreeOnTheLengthsOfSides) {
         const Global a = sewn.cells[c].vertices[k], b = sewn.cells[c].vertices[(k + 1) % n];
         const double length = (sewn.rest_shape[c][(k + 1) % n] - sewn.rest_shape[c][k]).norm();
         const auto [entry, is_new] = lengths.try_emplace(std::minmax(a, b), length);
-        if (!is_new) EXPECT_NEAR(length, entry->second, 1e-9);
+        EXPECT_NEAR(length, is_new ? length : entry->second, 1e-9);
       }
     }
     EXPECT_NEAR(area, of_panels, 0.05 * of_panels);
