@@ -102,7 +102,13 @@ Case sewing_stage(Case input) {
   input.time.end = sewing.limit;
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
-  for (config::Cloth& c : input.cloths) c.material.damping.mass += sewing.damping;
+  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would keep
+  // seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
+  input.inextensibility.constrain = config::Constrain::edges;
+  for (config::Cloth& c : input.cloths) {
+    c.material.damping.mass += sewing.damping;
+    c.material.stretch = std::max(c.material.stretch.value_or(0), sewing.force / input.inextensibility.strain);
+  }
   for (config::Pin& pin : input.pins) {
     hold_first(pin.motion);
     pin.release.reset();

@@ -10,26 +10,24 @@ SeamForce::SeamForce(const Cloth& cloth, const Pattern& pattern, const config::S
   const auto& rest = cloth.mesh.rest_positions;
   for (const auto& pair : cloth.mesh.seams) {
     const double share = seam_length_at(cloth, pair[0]), force = sewing.force * share;
-    strings_.push_back({pair, (rest[pair[1]] - rest[pair[0]]).norm(), force, force / (closed * share),
+    strings_.push_back({pair, (rest[pair[1]] - rest[pair[0]]).norm(), force, force / (held * share),
                         pattern.slots<2>(pair)});
-    longest_ = std::max(longest_, strings_.back().length);
   }
-  longest_ = max_over(cloth.mesh.comm, longest_);
 }
 
-/// m, of all strings: 3 s^2 - 2 s^3, which begins and ends at rest, of the longest.
-double SeamForce::taken_in(double time) const {
+/// Of the length at the start: 1 - 3 s^2 + 2 s^3, whose ends are at rest.
+double SeamForce::part_left(double time) const {
   const double s = std::clamp(time / time_, 0.0, 1.0);
-  return longest_ * s * s * (3 - 2 * s);
+  return 1 - s * s * (3 - 2 * s);
 }
 
 double SeamForce::energy(const State& state) const {
   double energy = 0;
-  const double taken = taken_in(state.time);
+  const double left = part_left(state.time);
   for (const String& s : strings_) {
     if (!cloth_.mesh.owns_vertex(s.ends[0])) continue;
     const double distance = (state.positions[s.ends[1]] - state.positions[s.ends[0]]).norm();
-    const double e = std::max(distance - std::max(s.length - taken, 0.0), 0.0);
+    const double e = std::max(distance - left * s.length, 0.0);
     energy += s.stiffness * e <= s.force ? 0.5 * s.stiffness * e * e
                                          : s.force * e - 0.5 * s.force * s.force / s.stiffness;
   }
@@ -37,11 +35,11 @@ double SeamForce::energy(const State& state) const {
 }
 
 void SeamForce::add_to(StepSystem& system, const State& state) {
-  const double taken = taken_in(state.time + system.dt());
+  const double left = part_left(state.time + system.dt());
   for (const String& s : strings_) {
     const auto& [a, b] = s.ends;
     const Vec3 d = state.positions[b] - state.positions[a];
-    const double distance = d.norm(), e = distance - std::max(s.length - taken, 0.0);
+    const double distance = d.norm(), e = distance - left * s.length;
     if (e <= 0) continue;
     const double w = std::min(s.stiffness, s.force / e), across = std::min(w, w * e / distance);
     system.add_force(a, across * d);

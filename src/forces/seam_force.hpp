@@ -6,24 +6,24 @@
 namespace taut {
 
 /// Draws the two edges of every seam together: a string from each vertex to that which it is sewn to, whose
-/// length L(t) shrinks from what it is at rest to nothing. All shrink by the same lengths, the longest to
-/// nothing in the time of sewing, so that panels beside each other are joined before what they make up is
-/// closed around a body. What the string is too long by, e = max(|d| - L, 0), costs
+/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing. What the string is
+/// too long by, e = max(|d| - L, 0), costs
 ///
 ///     E = k/2 e^2 up to e = F/k, from there on F e - F^2/(2k)   [Huber 1964],
 ///
-/// so that no seam ever pulls with more than F = `force` times the length of seam at the vertex. A seam is
-/// closed where its ends are as near as that force can hold them when L = 0: `closed` times that length.
+/// so that no seam ever pulls with more than F = `force` times the length of seam at the vertex. It does so
+/// where its ends are more than `held` of that length apart. A seam counts as closed where they are nearer
+/// than `closed` of it: what is missing is then smaller than what a step of the projection mends.
 ///
 /// With w = min(k, F/e), the force is w e along d. In place of its derivative along d, which is 0 where the
 /// pull is largest, the system gets w: the parabola that touches E and is nowhere below it, as in iteratively
 /// reweighted least squares, with which a step of any length takes ends together and not past each other.
 class SeamForce : public Force {
 public:
-  /// Of a string relative to the length of seam at its vertex.
-  static constexpr double closed = 2e-3;
+  /// Of a string, over the length of seam at its vertex.
+  static constexpr double held = 2e-3, closed = 0.05;
 
-  /// `cloth` must outlive the force. Collective.
+  /// `cloth` must outlive the force. Not collective.
   SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing);
 
   std::string_view name() const override { return "seams"; }
@@ -39,11 +39,10 @@ private:
     double stiffness;          ///< N/m
     Pattern::Slots<2> slots;
   };
-  double taken_in(double time) const;
+  double part_left(double time) const;
 
   const Cloth& cloth_;
-  double time_;        ///< s
-  double longest_ = 0; ///< m, of all strings at the start
+  double time_; ///< s
   std::vector<String> strings_;
 };
 
