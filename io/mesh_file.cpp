@@ -121,12 +121,12 @@ private:
                  ? Complaint()
                  : fmt::format("it has the shape ({}, {}) instead of ({}, 2): u and v of each number of {}",
                                rows, columns, corners, faces_name));
-    const auto uv =
-        file_.read<double>(name, {offsets.front(), offsets.back() - offsets.front(), corners});
+    const auto uv = file_.read<double>(name, {offsets.front(), offsets.back() - offsets.front(), corners});
     agree_on(name, std::ranges::all_of(uv, [](double x) { return std::isfinite(x); })
-                               ? Complaint()
-                               : "a number is not finite");
-    std::vector<Corners2> result(offsets.size() - 1, {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
+                       ? Complaint()
+                       : "a number is not finite");
+    std::vector<Corners2> result(offsets.size() - 1,
+                                 {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
     for (std::size_t c = 0; c < result.size(); ++c)
       for (Global i = offsets[c]; i < offsets[c + 1]; ++i) {
         const std::size_t at = 2 * std::size_t(i - offsets[0]);
@@ -149,9 +149,10 @@ std::vector<Vec3> read_positions(MPI_Comm comm, const fs::path& path, double sca
   if (path.extension() != ".h5") return read_obj_positions(comm, path, scale, expected);
   const H5Reader file(comm, path);
   if (const Global rows = file.rows("/positions"); rows != expected.total)
-    throw InputError(fmt::format("{}: /positions has {} vertices, the mesh {}; give the vertices of the mesh, in "
-                                 "the same order, in other places",
-                                 path.string(), rows, expected.total));
+    throw InputError(
+        fmt::format("{}: /positions has {} vertices, the mesh {}; give the vertices of the mesh, in "
+                    "the same order, in other places",
+                    path.string(), rows, expected.total));
   auto positions = file.read_vectors("/positions", expected);
   for (Vec3& p : positions) p *= scale;
   return positions;
@@ -162,8 +163,9 @@ MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale) {
   for (const char* surface : {".obj", ".ply", ".stl"})
     if (extension == surface) return read_obj(comm, path, scale);
   if (extension == ".h5") return read_mesh_h5(comm, path, scale);
-  throw InputError(fmt::format("{}: the extension '{}' is not known; give a mesh file .obj, .ply, .stl or .h5",
-                               path.string(), extension));
+  throw InputError(
+      fmt::format("{}: the extension '{}' is not known; give a mesh file .obj, .ply, .stl or .h5",
+                  path.string(), extension));
 }
 
 } // namespace taut

@@ -63,7 +63,8 @@ public:
     for (const Cell& cell : file_.cells)
       for (int k = 0; k < cell.size(); ++k)
         if (cell.vertices[k] < 0 || cell.vertices[k] >= vertices)
-          fail(fmt::format("a face names vertex {}, but there are {}, counted from 0", cell.vertices[k], vertices));
+          fail(fmt::format("a face names vertex {}, but there are {}, counted from 0", cell.vertices[k],
+                           vertices));
     return std::move(file_);
   }
 
@@ -73,7 +74,8 @@ private:
   }
 
   Number type_called(std::string_view word) const {
-    const auto found = std::find_if(types.begin(), types.end(), [&](const TypeName& t) { return t.name == word; });
+    const auto found =
+        std::find_if(types.begin(), types.end(), [&](const TypeName& t) { return t.name == word; });
     if (found == types.end()) fail(fmt::format("'{}' is not a type of PLY", word));
     return found->type;
   }
@@ -104,7 +106,8 @@ private:
     PlyElement element{next_word(line)};
     const std::string_view count = next_word(line);
     const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
-    if (error != std::errc{} || element.count < 0) fail(fmt::format("'{}' is not a number of elements", count));
+    if (error != std::errc{} || element.count < 0)
+      fail(fmt::format("'{}' is not a number of elements", count));
     if (element.count > Global(rest_.size())) fail(fmt::format("it is too short for {} elements", count));
     elements_.push_back(std::move(element));
   }

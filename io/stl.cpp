@@ -68,8 +68,7 @@ private:
 
   void add_corner(const Vec3& x) {
     if (!x.allFinite()) fail("a vertex is not finite");
-    const auto [entry, is_new] =
-        numbers_.try_emplace({x[0], x[1], x[2]}, Global(file_.positions.size()));
+    const auto [entry, is_new] = numbers_.try_emplace({x[0], x[1], x[2]}, Global(file_.positions.size()));
     if (is_new) {
       file_.positions.push_back(x);
       file_.vertex_lines.push_back(0);

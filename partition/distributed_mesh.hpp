@@ -73,7 +73,7 @@ struct DistributedMesh {
   std::vector<Hinge> hinges;
   std::vector<Global> joint;               ///< of local vertices: original numbers, see MeshSlab
   std::vector<std::array<Local, 2>> seams; ///< a vertex and its joint, if they differ and one is owned
-  std::vector<std::size_t> star; ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
+  std::vector<std::size_t> star;           ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;
 
   OriginalOrder vertex_order, edge_order, cell_order; ///< to files and back

@@ -119,8 +119,13 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
     const bool is_constrained =
         is_thread || topology.triangles_only || constrained_edges == ConstrainedEdges::all;
     if (group.size() == 2) {
-      const CellSide &left = group[group[0].runs_upwards ? 0 : 1], &right = group[group[0].runs_upwards ? 1 : 0];
-      topology.hinges.push_back({left.low, left.high, left.across, right.across, group[0].run,
+      const CellSide &left = group[group[0].runs_upwards ? 0 : 1],
+                     &right = group[group[0].runs_upwards ? 1 : 0];
+      topology.hinges.push_back({left.low,
+                                 left.high,
+                                 left.across,
+                                 right.across,
+                                 group[0].run,
                                  {left.length, left.apex, right.apex}});
     }
     edges.push_back({group[0].low,

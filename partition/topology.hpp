@@ -19,9 +19,9 @@ struct YarnTriple {
   bool operator==(const YarnTriple&) const = default;
 };
 
-/// The two faces of an edge laid flat, m: how long the edge is, and of the middle of the other vertices of the
-/// face to its left and of that to its right, how far along the edge it is from the lower vertex, and how far
-/// beside it.
+/// The two faces of an edge laid flat, m: how long the edge is, and of the middle of the other vertices of
+/// the face to its left and of that to its right, how far along the edge it is from the lower vertex, and how
+/// far beside it.
 struct UnfoldedFaces {
   double length = 0;
   Vec2 left = Vec2::Zero(), right = Vec2::Zero();
@@ -33,7 +33,7 @@ struct UnfoldedFaces {
 struct EdgeFaces {
   Global low, high; ///< original vertex numbers
   std::array<Global, 2> left, right;
-  Vec2 run; ///< of the texture from the lower to the higher vertex; zero in a mesh without
+  Vec2 run;              ///< of the texture from the lower to the higher vertex; zero in a mesh without
   UnfoldedFaces at_rest; ///< zero where the rest shape is that of the positions
 };
 

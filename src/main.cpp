@@ -120,7 +120,9 @@ public:
     mesh_->add_option("-o,--out", out_, "The mesh file to write, .h5 or .obj");
     mesh_->add_option("--svg", svg_, "Draw the panels into this file");
     export_->add_option("folder", path_, "The folder of the run")->required();
-    export_->add_option("--to", out_, "cloth.pc2 (with cloth.obj), .obj or .ply (a file a frame), .usda (one frame)")
+    export_
+        ->add_option("--to", out_,
+                     "cloth.pc2 (with cloth.obj), .obj or .ply (a file a frame), .usda (one frame)")
         ->required();
     export_->add_option("--up", up_, "The axis that points up there: z (as in the run) or y");
     export_->add_option("--unit", unit_, "Of lengths there: m, cm or mm");
@@ -171,7 +173,8 @@ private:
 
   CLI::App app_;
   CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *schema_;
-  std::string case_, out_, svg_, path_, from_, checkpoint_, json_, counters_, progress_ = "auto", up_ = "z", unit_ = "m";
+  std::string case_, out_, svg_, path_, from_, checkpoint_, json_, counters_, progress_ = "auto", up_ = "z",
+                                                                              unit_ = "m";
   std::optional<Global> frame_;
   int ranks_ = 1;
   std::vector<std::string> sets_, edges_;

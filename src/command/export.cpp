@@ -26,9 +26,11 @@ constexpr std::array units{Unit{"m", 1.0}, Unit{"cm", 0.01}, Unit{"mm", 0.001}};
 class Exporter {
 public:
   Exporter(MPI_Comm comm, const ExportOptions& options) : comm_(comm), options_(options) {
-    const auto unit = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == options.unit; });
+    const auto unit =
+        std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == options.unit; });
     if (unit == units.end())
-      throw InputError(fmt::format("--unit {}: not a unit that is known here; give m, cm or mm", options.unit));
+      throw InputError(
+          fmt::format("--unit {}: not a unit that is known here; give m, cm or mm", options.unit));
     metres_ = unit->metres;
     if (options.up != "y" && options.up != "z")
       throw InputError(fmt::format("--up {}: give the axis that is to point up, y or z", options.up));
@@ -71,7 +73,8 @@ private:
     for (std::size_t at = 0, end = 0; (end = names.find('\n', at)) != std::string::npos; at = end + 1)
       frames_.push_back(options_.folder / "frames" / names.substr(at, end - at));
     if (options_.frame && (*options_.frame < 0 || *options_.frame >= Global(frames_.size())))
-      throw InputError(fmt::format("--frame {}: the run has frames 0 to {}", *options_.frame, frames_.size() - 1));
+      throw InputError(
+          fmt::format("--frame {}: the run has frames 0 to {}", *options_.frame, frames_.size() - 1));
   }
 
   bool is_single() const { return options_.frame || options_.to.extension() == ".usda"; }
@@ -85,8 +88,8 @@ private:
   fs::path named_after(const fs::path& frame) const {
     if (is_single()) return options_.to;
     const std::string stem = frame.stem().string(), number = stem.substr(stem.rfind('_'));
-    return fs::path(options_.to).replace_filename(options_.to.stem().string() + number +
-                                                  options_.to.extension().string());
+    return fs::path(options_.to)
+        .replace_filename(options_.to.stem().string() + number + options_.to.extension().string());
   }
 
   std::vector<Vec3> turned(std::vector<Vec3> positions) const {
@@ -104,7 +107,8 @@ private:
     const H5Reader mesh(comm_, options_.folder / run_files::mesh);
     surface_.corners = mesh.read<Global>("/faces", on_rank_0(mesh.rows("/faces")));
     surface_.offsets = mesh.read<Global>("/face_offsets", on_rank_0(mesh.rows("/face_offsets")));
-    if (mesh.has("/texture")) surface_.texture = mesh.read<double>("/texture", on_rank_0(mesh.rows("/texture")));
+    if (mesh.has("/texture"))
+      surface_.texture = mesh.read<double>("/texture", on_rank_0(mesh.rows("/texture")));
     surface_.metres_per_unit = metres_;
     surface_.up = options_.up[0];
   }
@@ -127,7 +131,8 @@ private:
       if (mine.total > std::numeric_limits<std::int32_t>::max())
         throw InputError(fmt::format("--to {}: pc2 cannot count so many vertices", options_.to.string()));
       if (k == 0) write_text_whole(comm_, options_.to, pc2_header({std::int32_t(mine.total), 0, 0}));
-      write_pc2_frame(comm_, options_.to, std::int32_t(k), turned(file.read_vectors("/positions", mine)), mine);
+      write_pc2_frame(comm_, options_.to, std::int32_t(k), turned(file.read_vectors("/positions", mine)),
+                      mine);
     }
   }
 
@@ -142,7 +147,8 @@ private:
 
 int export_frames(MPI_Comm comm, const ExportOptions& options) {
   Exporter(comm, options).write();
-  if (rank_of(comm) == 0) fmt::print("{}: written, {} up, in {}\n", options.to.string(), options.up, options.unit);
+  if (rank_of(comm) == 0)
+    fmt::print("{}: written, {} up, in {}\n", options.to.string(), options.up, options.unit);
   return success;
 }
 

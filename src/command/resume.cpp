@@ -159,9 +159,8 @@ void check_folder(MPI_Comm comm, const fs::path& folder) {
 fs::path folder_of_stage(MPI_Comm comm, const fs::path& folder) {
   const fs::path sewing = sewing_folder(folder);
   std::error_code ignored;
-  const bool is_sewing =
-      rank_of(comm) == 0 && !fs::exists(folder / run_files::case_as_run, ignored) &&
-      fs::exists(sewing / run_files::case_as_run, ignored);
+  const bool is_sewing = rank_of(comm) == 0 && !fs::exists(folder / run_files::case_as_run, ignored) &&
+                         fs::exists(sewing / run_files::case_as_run, ignored);
   return any_of(comm, is_sewing) ? sewing : folder;
 }
 

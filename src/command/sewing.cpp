@@ -85,11 +85,13 @@ void check_place(const Case& input, const Simulation& simulation) {
     nearest = std::min(nearest, outside.norm());
   }
   if (nearest > farthest)
-    throw InputError(fmt::format(
-        "{}: cloth and obstacles are {:.3g} m apart, and nothing is to be dressed: the cloth is at x {:.3g} to "
-        "{:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} m, z being up; correct units (scale), the axis that points "
-        "up in the files (up), or places",
-        input.file.string(), nearest, -extent[3], extent[0], -extent[4], extent[1], -extent[5], extent[2]));
+    throw InputError(fmt::format("{}: cloth and obstacles are {:.3g} m apart, and nothing is to be dressed: "
+                                 "the cloth is at x {:.3g} to "
+                                 "{:.3g}, y {:.3g} to {:.3g}, z {:.3g} to {:.3g} m, z being up; correct "
+                                 "units (scale), the axis that points "
+                                 "up in the files (up), or places",
+                                 input.file.string(), nearest, -extent[3], extent[0], -extent[4], extent[1],
+                                 -extent[5], extent[2]));
 }
 
 } // namespace
@@ -102,12 +104,13 @@ Case sewing_stage(Case input) {
   input.time.end = sewing.limit;
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
-  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would keep
-  // seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
+  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
+  // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
   input.inextensibility.constrain = config::Constrain::edges;
   for (config::Cloth& c : input.cloths) {
     c.material.damping.mass += sewing.damping;
-    c.material.stretch = std::max(c.material.stretch.value_or(0), sewing.force / input.inextensibility.strain);
+    c.material.stretch =
+        std::max(c.material.stretch.value_or(0), sewing.force / input.inextensibility.strain);
   }
   for (config::Pin& pin : input.pins) {
     hold_first(pin.motion);
@@ -136,7 +139,8 @@ int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, doub
   return code == success ? run_sewn(comm, input, simulation, options, began) : code;
 }
 
-int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options, double began) {
+int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options,
+             double began) {
   write_sewn(input, sewn, options.out);
   const Case stage = sewn_stage(input, options.out);
   Simulation simulation(comm, stage);

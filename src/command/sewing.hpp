@@ -17,6 +17,7 @@ Case sewing_stage(Case input);
 int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, double began);
 
 /// The second, after the first has closed all seams: makes the cloth one mesh, and runs it. Collective.
-int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options, double began);
+int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options,
+             double began);
 
 } // namespace taut::command

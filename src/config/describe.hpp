@@ -25,6 +25,19 @@
 ///   path below.
 namespace taut::config {
 
+/// Of a case that begins with panels.
+template<class V>
+void check_sewing(V& v, const Case& c) {
+  v.check("sewing",
+          !c.sewing || std::all_of(c.cloths.begin(), c.cloths.end(),
+                                   [](const Cloth& cloth) { return cloth.pattern.has_value(); }),
+          "is for patterns; remove it, or give every cloth as a pattern");
+  v.check("pins",
+          !c.sewing ||
+              std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
+          "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
+}
+
 template<class V>
 void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
@@ -35,8 +48,9 @@ void describe(V& v, Is<Case> auto& c) {
   v("obstacles", c.obstacles, {.meaning = "what the cloth collides with"});
   v("sewing", c.sewing,
     {.computed_default = "none: panels stay apart",
-     .meaning = "the panels of patterns are sewn together before the case begins; pins and obstacles are until "
-                "then as at time 0"});
+     .meaning =
+         "the panels of patterns are sewn together before the case begins; pins and obstacles are until "
+         "then as at time 0"});
   v("contact", c.contact,
     {.computed_default = "its defaults if there are obstacles, otherwise none",
      .meaning = "collisions of the cloth with itself and with obstacles"});
@@ -47,13 +61,7 @@ void describe(V& v, Is<Case> auto& c) {
   v("checkpoint", c.checkpoint,
     {.meaning = "when to write, besides at the end, what `taut resume` goes on from; the last two are kept"});
   v("output", c.output, {.meaning = "what is written"});
-  v.check("sewing",
-          !c.sewing || std::all_of(c.cloths.begin(), c.cloths.end(),
-                                   [](const Cloth& cloth) { return cloth.pattern.has_value(); }),
-          "is for patterns; remove it, or give every cloth as a pattern");
-  v.check("pins",
-          !c.sewing || std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
-          "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
+  check_sewing(v, c);
   v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
   if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(

@@ -38,7 +38,8 @@ void describe(V& v, Is<Rotation> auto& r) {
 
 template<class V>
 void describe(V& v, Is<Start> auto& s) {
-  v("shape", s.shape, {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
+  v("shape", s.shape,
+    {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
   v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
   v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
 }
@@ -99,7 +100,7 @@ void describe(V& v, Is<Cloth> auto& c) {
   v("pattern", c.pattern,
     {.meaning =
          "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, and sewn if "
-     "there is `sewing`"});
+         "there is `sewing`"});
   v("edge", c.edge,
     {.unit = Unit::metre,
      .range = positive,

@@ -148,7 +148,8 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v("capsule", o.capsule, {.meaning = "all points near a segment"});
   v("box", o.box, {.meaning = "a box along the axes"});
   v("union", o.joined, {.meaning = "spheres, capsules and boxes as one body, rounded where they meet"});
-  v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj, .ply, .stl or .h5), relative to the case file"});
+  v("mesh", o.mesh,
+    {.meaning = "surface of triangles or quads (.obj, .ply, .stl or .h5), relative to the case file"});
   v("sequence", o.sequence,
     {.computed_default = "none",
      .meaning =
@@ -174,7 +175,9 @@ void describe(V& v, Is<Obstacle> auto& o) {
 template<class V>
 void describe(V& v, Is<Sewing> auto& s) {
   v("time", s.time,
-    {.unit = Unit::second, .range = positive, .meaning = "in which the two edges of every seam come together"});
+    {.unit = Unit::second,
+     .range = positive,
+     .meaning = "in which the two edges of every seam come together"});
   v("force", s.force,
     {.unit = Unit::newton_per_metre,
      .range = positive,
@@ -185,7 +188,8 @@ void describe(V& v, Is<Sewing> auto& s) {
      .meaning = "time by which all seams must have closed; those that have not are named"});
   v("damping", s.damping,
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
-  v("gravity", s.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall until then"});
+  v("gravity", s.gravity,
+    {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall until then"});
   v.check("limit", s.limit >= s.time, "is less than time; seams need that long to close");
 }
 

@@ -13,9 +13,9 @@ struct Motion {
 
 /// A vertex of cloth or of an obstacle as all ranks know it.
 struct SurfaceVertex {
-  int owner;   ///< rank; obstacles belong to every rank
-  Local place; ///< at its owner: number of the own cloth vertex, or cloth vertices + number in the obstacles
-  Global key;  ///< does not depend on the partition: original number, or vertices of the cloth + number
+  int owner;    ///< rank; obstacles belong to every rank
+  Local place;  ///< at its owner: number of the own cloth vertex, or cloth vertices + number in the obstacles
+  Global key;   ///< does not depend on the partition: original number, or vertices of the cloth + number
   Global joint; ///< the key of what it is sewn to, or its own: vertices with the same are one for contact
 };
 

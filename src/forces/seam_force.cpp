@@ -46,7 +46,8 @@ void SeamForce::add_to(StepSystem& system, const State& state) {
     system.add_force(b, -across * d);
     system.add_outer<2>(s.ends, s.slots, {-1, 1}, across, 0.0);
     const Vec3 n = d / distance;
-    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()}, w - across, 0.0);
+    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()}, w - across,
+                        0.0);
   }
 }
 

@@ -37,7 +37,8 @@ Labels read_labels(MPI_Comm comm, const std::filesystem::path& path) {
                                  path.string(), of_offsets, of_vertices));
   Labels labels;
   for (std::size_t k = 0; k < names.size(); ++k)
-    labels[names[k].get<std::string>()].assign(vertices.begin() + offsets[k], vertices.begin() + offsets[k + 1]);
+    labels[names[k].get<std::string>()].assign(vertices.begin() + offsets[k],
+                                               vertices.begin() + offsets[k + 1]);
   return labels;
 }
 

@@ -16,8 +16,8 @@ Garment load_garment(MPI_Comm comm, const std::filesystem::path& file, double ed
 MeshSlab share_out(MPI_Comm comm, const Garment& garment, Joints joints) {
   MeshSlab slab = share_out(comm, garment.mesh, garment.name);
   if (joints == Joints::of_seams)
-    slab.joint = scatter_slabs(
-        comm, rank_of(comm) == 0 ? joints_of(garment.mesh) : std::vector<Global>(), slab.vertices);
+    slab.joint = scatter_slabs(comm, rank_of(comm) == 0 ? joints_of(garment.mesh) : std::vector<Global>(),
+                               slab.vertices);
   return slab;
 }
 

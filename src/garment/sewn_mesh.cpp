@@ -71,9 +71,10 @@ void join_cells(const GarmentMesh& mesh, const std::string& name, SewnMesh& sewn
     const auto used = std::span(cell.vertices).first(std::size_t(cell.size()));
     for (Global& v : used) v = sewn.number[v];
     if (std::set<Global>(used.begin(), used.end()).size() < used.size())
-      throw InputError(fmt::format("{}: panel '{}': two corners of one cell of its mesh are sewn to each other; "
-                                   "give it shorter edges",
-                                   name, panel_of(mesh, c).name));
+      throw InputError(
+          fmt::format("{}: panel '{}': two corners of one cell of its mesh are sewn to each other; "
+                      "give it shorter edges",
+                      name, panel_of(mesh, c).name));
     sewn.cells.push_back(cell);
   }
 }

@@ -63,7 +63,8 @@ void write_corners(RootWriter& file, const std::string& name, std::span<const Ce
                    const std::vector<Corners2>& corners) {
   std::vector<double> numbers;
   for (std::size_t c = 0; c < cells.size(); ++c)
-    for (int k = 0; k < cells[c].size(); ++k) numbers.insert(numbers.end(), {corners[c][k][0], corners[c][k][1]});
+    for (int k = 0; k < cells[c].size(); ++k)
+      numbers.insert(numbers.end(), {corners[c][k][0], corners[c][k][1]});
   file.write(name, numbers, 2);
 }
 
@@ -143,7 +144,8 @@ void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::pat
   });
 }
 
-void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const SewnMesh& sewn, const std::filesystem::path& path) {
+void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const SewnMesh& sewn,
+              const std::filesystem::path& path) {
   write_whole(comm, path, [&](H5Writer& file) {
     RootWriter root(comm, file);
     write_positions(root, sewn.positions);

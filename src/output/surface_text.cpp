@@ -67,14 +67,16 @@ std::string usda_text(const Surface& s) {
   const std::string texture =
       s.texture.empty()
           ? ""
-          : fmt::format("    texCoord2f[] primvars:st = [{}] (\n        interpolation = \"faceVarying\"\n    )\n",
-                        tuples(s.texture));
-  return fmt::format("#usda 1.0\n(\n    defaultPrim = \"cloth\"\n    metersPerUnit = {:.9g}\n    upAxis = \"{}\"\n)\n\n"
-                     "def Mesh \"cloth\"\n{{\n    uniform token subdivisionScheme = \"none\"\n"
-                     "    int[] faceVertexCounts = [{}]\n    int[] faceVertexIndices = [{}]\n"
-                     "    point3f[] points = [{}]\n{}}}\n",
-                     s.metres_per_unit, s.up == 'y' ? "Y" : "Z", fmt::join(sizes, ", "),
-                     fmt::join(s.corners, ", "), std::string_view(points.data(), points.size()), texture);
+          : fmt::format(
+                "    texCoord2f[] primvars:st = [{}] (\n        interpolation = \"faceVarying\"\n    )\n",
+                tuples(s.texture));
+  return fmt::format(
+      "#usda 1.0\n(\n    defaultPrim = \"cloth\"\n    metersPerUnit = {:.9g}\n    upAxis = \"{}\"\n)\n\n"
+      "def Mesh \"cloth\"\n{{\n    uniform token subdivisionScheme = \"none\"\n"
+      "    int[] faceVertexCounts = [{}]\n    int[] faceVertexIndices = [{}]\n"
+      "    point3f[] points = [{}]\n{}}}\n",
+      s.metres_per_unit, s.up == 'y' ? "Y" : "Z", fmt::join(sizes, ", "), fmt::join(s.corners, ", "),
+      std::string_view(points.data(), points.size()), texture);
 }
 
 } // namespace taut

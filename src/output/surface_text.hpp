@@ -9,11 +9,11 @@ namespace taut {
 
 struct Surface {
   std::vector<Vec3> positions;
-  std::vector<Global> corners;     ///< vertices of one face after the other, counted from 0
-  std::vector<Global> offsets;     ///< of faces in `corners`, and where the last ends
-  std::vector<double> texture{};   ///< u, v of each corner; may be empty
-  double metres_per_unit = 1;      ///< of `positions`, for formats that say so
-  char up = 'z';                   ///< the same
+  std::vector<Global> corners;   ///< vertices of one face after the other, counted from 0
+  std::vector<Global> offsets;   ///< of faces in `corners`, and where the last ends
+  std::vector<double> texture{}; ///< u, v of each corner; may be empty
+  double metres_per_unit = 1;    ///< of `positions`, for formats that say so
+  char up = 'z';                 ///< the same
 };
 
 /// Wavefront OBJ, with `vt` where there is texture.

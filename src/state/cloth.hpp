@@ -11,8 +11,8 @@ struct Piece {
   config::Material material;
   Global first_vertex = 0; ///< its vertices and cells follow those of the piece before
   Global first_cell = 0;
-  Global vertices = 0, cells = 0; ///< how many, over all ranks
-  bool triangles_only = false;    ///< no quad and no line in it
+  Global vertices = 0, cells = 0;                      ///< how many, over all ranks
+  bool triangles_only = false;                         ///< no quad and no line in it
   std::map<std::string, std::vector<Global>> labels{}; ///< names of vertices, numbered within the piece
 };
 

@@ -90,9 +90,10 @@ std::vector<Global> labelled(const Cloth& cloth, const std::string& label, const
   if (!vertices.empty()) return vertices;
   const std::vector<std::string> list(names.begin(), names.end());
   const auto meant = config::nearest(label, list);
-  throw InputError(fmt::format("{}.label: no edge and no panel has the label '{}'{}; {}", key, label,
-                               meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
-                               list.empty() ? "the cloth has none" : fmt::format("there are {}", fmt::join(list, ", "))));
+  throw InputError(
+      fmt::format("{}.label: no edge and no panel has the label '{}'{}; {}", key, label,
+                  meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
+                  list.empty() ? "the cloth has none" : fmt::format("there are {}", fmt::join(list, ", "))));
 }
 
 std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const Slab& among,

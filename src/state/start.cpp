@@ -39,9 +39,9 @@ LabelledMesh load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cl
     return {make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells)), {}};
   if (cloth.line) return {make_line(comm, cloth.line->length, cloth.line->vertices), {}};
   const auto file = input.folder() / cloth.mesh.value_or("");
-  LabelledMesh mesh = cloth.pattern ? load_pattern(comm, input, cloth)
-                                    : LabelledMesh{read_mesh(comm, file, cloth.scale),
-                                                   garment::read_labels(comm, file)};
+  LabelledMesh mesh =
+      cloth.pattern ? load_pattern(comm, input, cloth)
+                    : LabelledMesh{read_mesh(comm, file, cloth.scale), garment::read_labels(comm, file)};
   config::turn_upright(up_of(cloth), mesh.slab.rest_positions);
   return mesh;
 }

@@ -427,7 +427,7 @@ TEST(ConfigError, MissingKey) {
                "vertex i*nx + j); add it"));
   EXPECT_EQ(error("cloth: {scale: 2}"), at("1:8", "cloth: give one of the keys grid, line, mesh, pattern"));
   EXPECT_EQ(error_after_cloth("pins: [{release: 1}]"),
-            at("2:8", "pins.0: give one of the keys vertices, range, box, near"));
+            at("2:8", "pins.0: give one of the keys vertices, range, box, near, label"));
 }
 
 TEST(ConfigError, DuplicateKey) {

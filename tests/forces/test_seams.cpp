@@ -58,8 +58,8 @@ TEST_F(Seams, PullNoMoreThanTheyMay) {
 
 TEST_F(Seams, StiffnessIsTheHessianWhereTheyHold) {
   const WholeState state = almost_closed();
-  const Dense expected = derivative(
-      [&](const WholeState& s) { return Column(-force_of(whole_, closing, s)); }, state);
+  const Dense expected =
+      derivative([&](const WholeState& s) { return Column(-force_of(whole_, closing, s)); }, state);
   const Dense found = step_of(whole_, closing, state, 1.0).matrix;
   // w = F/e in place of k where the difference steps out of e < F/k is not met: 1e-5 m against 4e-4 m.
   EXPECT_LT(relative_error(found, expected), difference_tolerance);

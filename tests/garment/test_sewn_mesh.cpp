@@ -49,8 +49,7 @@ TEST(Sewn, VerticesOfSeveralSeamsAreOne) {
     for (const MeshedSeam& seam : mesh.seams)
       for (const auto& [a, b] : seam.pairs) EXPECT_EQ(sewn.number[a], sewn.number[b]);
     for (std::size_t v = 0; v < joint.size(); ++v)
-      for (std::size_t w = 0; w < v; ++w)
-        EXPECT_EQ(sewn.number[v] == sewn.number[w], joint[v] == joint[w]);
+      for (std::size_t w = 0; w < v; ++w) EXPECT_EQ(sewn.number[v] == sewn.number[w], joint[v] == joint[w]);
   }
 }
 
@@ -63,7 +62,8 @@ TEST(Sewn, LieInTheMiddle) {
     sum[sewn.number[v]] += mesh.positions[v];
     ++count[sewn.number[v]];
   }
-  for (std::size_t v = 0; v < sum.size(); ++v) EXPECT_LT((sum[v] / count[v] - sewn.positions[v]).norm(), 1e-12);
+  for (std::size_t v = 0; v < sum.size(); ++v)
+    EXPECT_LT((sum[v] / count[v] - sewn.positions[v]).norm(), 1e-12);
 }
 
 TEST(Sewn, CellsAgreeOnTheLengthsOfSides) {
@@ -96,8 +96,8 @@ TEST(Sewn, GathersToTheShorterEdge) {
   for (std::size_t c = 0; c < sewn.cells.size(); ++c)
     for (int k = 0, n = sewn.cells[c].size(); k < n; ++k) {
       const Global a = sewn.cells[c].vertices[k], b = sewn.cells[c].vertices[(k + 1) % n];
-      const bool on_seam = std::binary_search(seam.begin(), seam.end(), a) &&
-                           std::binary_search(seam.begin(), seam.end(), b);
+      const bool on_seam =
+          std::binary_search(seam.begin(), seam.end(), a) && std::binary_search(seam.begin(), seam.end(), b);
       if (on_seam && met.insert(std::minmax(a, b)).second)
         length += (sewn.rest_shape[c][(k + 1) % n] - sewn.rest_shape[c][k]).norm();
     }

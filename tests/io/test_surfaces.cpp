@@ -41,17 +41,19 @@ std::string binary_ply(bool big) {
   return text;
 }
 
-const std::string ascii_ply = ply_header("ascii", "double") +
-                              "0 0 2 7\n1 0 2 7\n1 1 2 7\n0 1 2 7\n3 0 1 2\n3 0 2 3\n";
+const std::string ascii_ply =
+    ply_header("ascii", "double") + "0 0 2 7\n1 0 2 7\n1 1 2 7\n0 1 2 7\n3 0 1 2\n3 0 2 3\n";
 
-const std::string ascii_stl = "solid square\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 1 0 2\nvertex 1 1 2\n"
-                              "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 1 1 2\n"
-                              "vertex 0 1 2\nendloop\nendfacet\nendsolid\n";
+const std::string ascii_stl =
+    "solid square\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 1 0 2\nvertex 1 1 2\n"
+    "endloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 2\nvertex 1 1 2\n"
+    "vertex 0 1 2\nendloop\nendfacet\nendsolid\n";
 
 /// With a third triangle that has no area.
 std::string binary_stl() {
   std::string text = std::string("solid but binary") + std::string(64, ' ') + bytes<std::uint32_t>({3});
-  for (const auto& t : {std::array{0.f, 0.f, 1.f, 0.f, 1.f, 1.f}, {0.f, 0.f, 1.f, 1.f, 0.f, 1.f},
+  for (const auto& t : {std::array{0.f, 0.f, 1.f, 0.f, 1.f, 1.f},
+                        {0.f, 0.f, 1.f, 1.f, 0.f, 1.f},
                         {0.f, 0.f, 0.f, 0.f, 1.f, 1.f}})
     text += bytes<float>({0, 0, 1, t[0], t[1], 2, t[2], t[3], 2, t[4], t[5], 2}) + bytes<std::uint16_t>({0});
   return text;
