@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Complaint = std::optional<std::string>;
 
 const std::string positions_name = "/rest_positions", faces_name = "/faces", offsets_name = "/face_offsets",
-                  texture_name = "/texture";
+                  texture_name = "/texture", rest_shape_name = "/rest_shape";
 
 Global rows_of_list(MPI_Comm comm, const H5Reader& file, const std::string& name) {
   const int columns = file.columns(name);
@@ -64,6 +64,8 @@ public:
     mesh.name = file_.path().string();
     read_vertices(mesh, scale);
     read_cells(mesh);
+    for (Corners2& corners : mesh.rest_shape)
+      for (Vec2& corner : corners) corner *= scale;
     return mesh;
   }
 
@@ -106,28 +108,31 @@ private:
       if (!complaint) complaint = check_cell(used, mesh.cells.first + c, mesh.vertices.total);
     }
     agree_on(faces_name, complaint);
-    if (file_.has(texture_name)) read_texture(mesh, offsets, corners);
+    if (file_.has(texture_name)) mesh.texture = read_corners(texture_name, offsets, corners);
+    if (file_.has(rest_shape_name)) mesh.rest_shape = read_corners(rest_shape_name, offsets, corners);
   }
 
-  void read_texture(MeshSlab& mesh, std::span<const Global> offsets, Global corners) const {
-    const Global rows = file_.rows(texture_name);
-    const int columns = file_.columns(texture_name);
-    agree_on(texture_name,
+  std::vector<Corners2> read_corners(const std::string& name, std::span<const Global> offsets,
+                                     Global corners) const {
+    const Global rows = file_.rows(name);
+    const int columns = file_.columns(name);
+    agree_on(name,
              rows == corners && columns == 2
                  ? Complaint()
                  : fmt::format("it has the shape ({}, {}) instead of ({}, 2): u and v of each number of {}",
                                rows, columns, corners, faces_name));
-    const auto uv =
-        file_.read<double>(texture_name, {offsets.front(), offsets.back() - offsets.front(), corners});
-    agree_on(texture_name, std::ranges::all_of(uv, [](double x) { return std::isfinite(x); })
-                               ? Complaint()
-                               : "a number is not finite");
-    mesh.texture.assign(mesh.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
-    for (std::size_t c = 0; c < mesh.cell.size(); ++c)
+    const auto uv = file_.read<double>(name, {offsets.front(), offsets.back() - offsets.front(), corners});
+    agree_on(name, std::ranges::all_of(uv, [](double x) { return std::isfinite(x); })
+                       ? Complaint()
+                       : "a number is not finite");
+    std::vector<Corners2> result(offsets.size() - 1,
+                                 {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
+    for (std::size_t c = 0; c < result.size(); ++c)
       for (Global i = offsets[c]; i < offsets[c + 1]; ++i) {
         const std::size_t at = 2 * std::size_t(i - offsets[0]);
-        mesh.texture[c][std::size_t(i - offsets[c])] = {uv[at], uv[at + 1]};
+        result[c][std::size_t(i - offsets[c])] = {uv[at], uv[at + 1]};
       }
+    return result;
   }
 
   MPI_Comm comm_;
@@ -140,12 +145,27 @@ MeshSlab read_mesh_h5(MPI_Comm comm, const fs::path& path, double scale) {
   return MeshReader(comm, path).read(scale);
 }
 
+std::vector<Vec3> read_positions(MPI_Comm comm, const fs::path& path, double scale, Slab expected) {
+  if (path.extension() != ".h5") return read_obj_positions(comm, path, scale, expected);
+  const H5Reader file(comm, path);
+  if (const Global rows = file.rows("/positions"); rows != expected.total)
+    throw InputError(
+        fmt::format("{}: /positions has {} vertices, the mesh {}; give the vertices of the mesh, in "
+                    "the same order, in other places",
+                    path.string(), rows, expected.total));
+  auto positions = file.read_vectors("/positions", expected);
+  for (Vec3& p : positions) p *= scale;
+  return positions;
+}
+
 MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale) {
   const std::string extension = path.extension().string();
-  if (extension == ".obj") return read_obj(comm, path, scale);
+  for (const char* surface : {".obj", ".ply", ".stl"})
+    if (extension == surface) return read_obj(comm, path, scale);
   if (extension == ".h5") return read_mesh_h5(comm, path, scale);
-  throw InputError(fmt::format("{}: the extension '{}' is not known; give a mesh file .obj or .h5",
-                               path.string(), extension));
+  throw InputError(
+      fmt::format("{}: the extension '{}' is not known; give a mesh file .obj, .ply, .stl or .h5",
+                  path.string(), extension));
 }
 
 } // namespace taut

@@ -1,7 +1,9 @@
 #include "io/obj.hpp"
 
 #include "io/obj_parser.hpp"
+#include "io/ply.hpp"
 #include "io/scatter.hpp"
+#include "io/stl.hpp"
 #include "partition/comm.hpp"
 
 #include <fmt/format.h>
@@ -28,12 +30,18 @@ std::string read_text(const fs::path& path) {
   return text;
 }
 
+ObjFile parse(const std::string& text, const fs::path& path) {
+  const fs::path extension = path.extension();
+  const auto parser = extension == ".ply" ? parse_ply : extension == ".stl" ? parse_stl : parse_obj;
+  return parser(text, path.string());
+}
+
 /// The parsed file, on rank 0; empty on the others. `check` may refuse it.
 template<class Check>
 ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Check&& check) {
   ObjFile file;
   on_rank_0(comm, [&] {
-    file = parse_obj(read_text(path), path.string());
+    file = parse(read_text(path), path);
     check(file);
   });
   for (Vec3& position : file.positions) position *= scale;

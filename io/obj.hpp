@@ -6,14 +6,15 @@
 #include <filesystem>
 #include <vector>
 
-/// Wavefront OBJ files. Rank 0 reads and parses the file and sends every rank its slab, so the file must fit
-/// into the memory of one rank; larger meshes come as HDF5 (mesh_file.hpp). Which elements are understood:
-/// obj_parser.hpp. All collective; errors are `InputError`, the same on all ranks, "file.obj:17: what is
-/// wrong; cure".
+/// Wavefront OBJ files, and surfaces of other formats that are read alike. Rank 0 reads and parses the file
+/// and sends every rank its slab, so the file must fit into the memory of one rank; larger meshes come as
+/// HDF5 (mesh_file.hpp). Which elements are understood: obj_parser.hpp. All collective; errors are
+/// `InputError`, the same on all ranks, "file.obj:17: what is wrong; cure".
 namespace taut {
 
-/// The mesh in the file `path`, its coordinates multiplied by `scale` (m per unit of the file).
-/// Rank 0 warns on stderr of lines that are not known and so left out.
+/// The mesh in the file `path`, its coordinates multiplied by `scale` (m per unit of the file): OBJ, or by
+/// the extension .ply (ply.hpp) or .stl (stl.hpp). Rank 0 warns on stderr of lines that are not known and so
+/// left out.
 MeshSlab read_obj(MPI_Comm comm, const std::filesystem::path& path, double scale);
 
 /// Only the places of the vertices, for a start shape: rank's slab `expected` of as many vertices as

@@ -33,6 +33,7 @@ public:
     place_triples(parts.triples);
     place_hinges(parts.hinges);
     number_edges(parts.edges);
+    place_seams(parts.seams);
     collect_stars();
     order_for_files();
     report();
@@ -50,11 +51,14 @@ private:
     for (const SentVertex& v : parts.vertices) {
       map.original.push_back(v.original);
       mesh_.rest_positions.push_back(v.rest_position);
+      mesh_.joint.push_back(v.joint);
     }
     append_ghost_vertices(parts);
     mesh_.vertex_halo = Halo(mesh_.comm, map);
     mesh_.rest_positions.resize(map.size());
     mesh_.vertex_halo.update(mesh_.rest_positions);
+    mesh_.joint.resize(map.size());
+    mesh_.vertex_halo.update(mesh_.joint);
     for (Local i = 0; i < map.size(); ++i) local_of_[map.original[i]] = i;
   }
 
@@ -83,6 +87,7 @@ private:
     for (const SentEdge& e : parts.edges) met.insert(met.end(), {e.low, e.high});
     for (const EdgeFaces& h : parts.hinges)
       for (const Global v : vertices_of(h)) met.push_back(v);
+    for (const SeamPair& s : parts.seams) met.insert(met.end(), s.begin(), s.end());
     sort_unique(met);
     std::vector<Global> mine(mesh_.vertices.original);
     std::sort(mine.begin(), mine.end());
@@ -115,6 +120,7 @@ private:
              std::pair(place_of(b.first.vertices[0]), b.second->original);
     });
     const bool has_texture = any_of(mesh_.comm, !slab_.texture.empty());
+    const bool has_rest_shape = any_of(mesh_.comm, !slab_.rest_shape.empty());
     for (const auto& [cell, sent] : placed) {
       if (mesh_.owns_vertex(cell.vertices[0])) {
         mesh_.owned_cells.push_back(Local(mesh_.cells.size()));
@@ -122,6 +128,7 @@ private:
       }
       mesh_.cells.push_back(cell);
       if (has_texture) mesh_.texture.push_back(sent->texture);
+      if (has_rest_shape) mesh_.rest_shape.push_back(sent->rest_shape);
     }
   }
 
@@ -140,11 +147,18 @@ private:
       mesh_.hinges.push_back({{local(h.low), local(h.high)},
                               {local(h.left[0]), local(h.left[1])},
                               {local(h.right[0]), local(h.right[1])},
-                              h.run});
+                              h.run,
+                              h.at_rest});
     std::sort(mesh_.hinges.begin(), mesh_.hinges.end(), [this](const Hinge& a, const Hinge& b) {
       return std::pair(place_of(a.edge[0]), mesh_.vertices.original[a.edge[1]]) <
              std::pair(place_of(b.edge[0]), mesh_.vertices.original[b.edge[1]]);
     });
+  }
+
+  /// In an order that does not depend on the partition.
+  void place_seams(std::vector<SeamPair>& seams) {
+    std::sort(seams.begin(), seams.end());
+    for (const auto& [a, b] : seams) mesh_.seams.push_back({local_of_.at(a), local_of_.at(b)});
   }
 
   void number_edges(const std::vector<SentEdge>& edges) {
@@ -177,6 +191,14 @@ private:
     for (Local i = map.owned; i < Local(map.original.size()); ++i)
       mesh_.edge_vertices.push_back(ghost_ends.at(map.original[i]));
     mesh_.edge_halo = Halo(mesh_.comm, map);
+    std::unordered_map<Global, double> lengths;
+    for (const SentEdge& e : edges) lengths[e.original] = e.rest_length;
+    for (std::size_t e = 0; e < mesh_.edge_vertices.size(); ++e) {
+      const auto& [a, b] = mesh_.edge_vertices[e];
+      const double given = lengths.at(map.original[e]);
+      mesh_.rest_lengths.push_back(given > 0 ? given
+                                             : (mesh_.rest_positions[b] - mesh_.rest_positions[a]).norm());
+    }
   }
 
   void collect_stars() {
@@ -250,10 +272,7 @@ std::vector<char> find_threads(const DistributedMesh& mesh) {
 
 double mean_edge(const DistributedMesh& mesh) {
   double sum = 0;
-  for (Local e = 0; e < mesh.edges.owned; ++e) {
-    const auto& [a, b] = mesh.edge_vertices[e];
-    sum += (mesh.rest_positions[b] - mesh.rest_positions[a]).norm();
-  }
+  for (Local e = 0; e < mesh.edges.owned; ++e) sum += mesh.rest_lengths[e];
   return sum_over(mesh.comm, sum) / double(mesh.edges.total);
 }
 
@@ -262,7 +281,6 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   DistributedMesh distributed = Builder(comm, mesh, owners).build(send_parts(comm, mesh, topology, owners));
   distributed.triangles_only = topology.triangles_only;
   distributed.has_triangles = topology.has_triangles;
-  distributed.rest_in_texture = mesh.rest_in_texture;
   give_back_memory();
   return distributed;
 }

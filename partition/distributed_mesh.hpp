@@ -16,6 +16,7 @@ struct Hinge {
   std::array<Local, 2> edge;
   std::array<Local, 2> left, right;
   Vec2 run;
+  UnfoldedFaces at_rest;
 
   /// 4 between triangles, 5 between a triangle and a quad, 6 between quads.
   int size() const { return 4 + (left[1] >= 0) + (right[1] >= 0); }
@@ -62,14 +63,17 @@ struct DistributedMesh {
   bool has_triangles = false;               ///< in the whole mesh
   std::vector<LocalCell> cells;             ///< local cells
   std::vector<Corners2> texture;            ///< of local cells; empty if the mesh has none
-  bool rest_in_texture = false;             ///< it is the shape of all cells at rest, in m
+  std::vector<Corners2> rest_shape;         ///< the same; see MeshSlab
   std::vector<Local> owned_cells;           ///< those of `cells` this rank owns: each cell has one owner
   std::vector<Global> owned_cell_originals; ///< their original numbers
   Global total_cells = 0;
   std::vector<std::array<Local, 2>> edge_vertices; ///< of local edges, lower original number first
+  std::vector<double> rest_lengths;                ///< m, of local edges
   std::vector<std::array<Local, 3>> triples;       ///< before, centre, after
   std::vector<Hinge> hinges;
-  std::vector<std::size_t> star; ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
+  std::vector<Global> joint;               ///< of local vertices: original numbers, see MeshSlab
+  std::vector<std::array<Local, 2>> seams; ///< a vertex and its joint, if they differ and one is owned
+  std::vector<std::size_t> star;           ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;
 
   OriginalOrder vertex_order, edge_order, cell_order; ///< to files and back
@@ -81,6 +85,20 @@ struct DistributedMesh {
   bool owns_vertex(Local i) const { return i < vertices.owned; }
   bool owns_edge(Local i) const { return i < edges.owned; }
 };
+
+/// The corners of a cell at rest, m; unused places repeat the first.
+inline std::array<Vec3, 4> corners_at_rest(const DistributedMesh& mesh, std::size_t cell) {
+  const LocalCell& c = mesh.cells[cell];
+  std::array<Vec3, 4> x;
+  const Corners2* shape = mesh.rest_shape.empty() ? nullptr : &mesh.rest_shape[cell];
+  const bool has_shape = shape && (*shape)[0] != (*shape)[1];
+  for (int k = 0; k < 4; ++k) {
+    const int corner = k < c.size() ? k : 0;
+    x[k] = has_shape ? Vec3((*shape)[corner][0], (*shape)[corner][1], 0)
+                     : mesh.rest_positions[c.vertices[corner]];
+  }
+  return x;
+}
 
 /// The constrained edge between two local vertices of which `a` has its star here; -1 if there is none.
 inline Local edge_between(const DistributedMesh& mesh, Local a, Local b) {

@@ -56,17 +56,29 @@ void number_through(ListedMesh& mesh, const Before& before) {
   }
 }
 
-void append_slab(const Appender& to_slabs, const MeshSlab& part, const Before& before, bool has_texture,
-                 MeshSlab& all) {
+/// What only some meshes have, and then the whole.
+struct OptionalParts {
+  bool texture, rest_shape, joint;
+};
+
+void append_slab(const Appender& to_slabs, const MeshSlab& part, const Before& before,
+                 const OptionalParts& has, MeshSlab& all) {
   const auto vertex = [&](std::size_t i) { return before.vertices + part.vertices.first + Global(i); };
   const auto cell = [&](std::size_t i) { return before.cells + part.cells.first + Global(i); };
   to_slabs.append(part.rest_positions, all.vertices.total, vertex, all.rest_positions);
   to_slabs.append(part.cell, all.cells.total, cell, all.cell);
-  if (!has_texture) return;
-  auto texture = part.texture;
-  if (texture.empty())
-    texture.assign(part.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
-  to_slabs.append(texture, all.cells.total, cell, all.texture);
+  const auto append_corners = [&](auto corners, std::vector<Corners2>& all_corners) {
+    if (corners.empty())
+      corners.assign(part.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
+    to_slabs.append(corners, all.cells.total, cell, all_corners);
+  };
+  if (has.texture) append_corners(part.texture, all.texture);
+  if (has.rest_shape) append_corners(part.rest_shape, all.rest_shape);
+  if (!has.joint) return;
+  std::vector<Global> joint;
+  for (std::size_t i = 0; i < part.rest_positions.size(); ++i)
+    joint.push_back(part.joint.empty() ? vertex(i) : before.vertices + part.joint[i]);
+  to_slabs.append(joint, all.vertices.total, vertex, all.joint);
 }
 
 void append_topology(const Appender& to_slabs, const Topology& part, Global vertices, Topology& all) {
@@ -93,13 +105,14 @@ ListedMesh join(MPI_Comm comm, std::span<const ListedMesh> meshes) {
   ListedMesh all;
   all.topology.triangles_only = true;
   Global vertices = 0, cells = 0;
-  bool has_texture = false;
+  std::array<bool, 3> found{};
   for (const ListedMesh& m : meshes) {
     vertices += m.slab.vertices.total;
     cells += m.slab.cells.total;
-    has_texture |= !m.slab.texture.empty();
+    found = {found[0] || !m.slab.texture.empty(), found[1] || !m.slab.rest_shape.empty(),
+             found[2] || !m.slab.joint.empty()};
   }
-  has_texture = any_of(comm, has_texture);
+  const OptionalParts has{any_of(comm, found[0]), any_of(comm, found[1]), any_of(comm, found[2])};
   all.slab.name = "the cloths";
   all.slab.vertices = slab_of(vertices, size_of(comm), rank_of(comm));
   all.slab.cells = slab_of(cells, size_of(comm), rank_of(comm));
@@ -107,9 +120,8 @@ ListedMesh join(MPI_Comm comm, std::span<const ListedMesh> meshes) {
   Before before;
   for (ListedMesh mesh : meshes) {
     number_through(mesh, before);
-    append_slab(to_slabs, mesh.slab, before, has_texture, all.slab);
+    append_slab(to_slabs, mesh.slab, before, has, all.slab);
     append_topology(to_slabs, mesh.topology, vertices, all.topology);
-    all.slab.rest_in_texture |= mesh.slab.rest_in_texture;
     all.topology.triangles_only &= mesh.topology.triangles_only;
     all.topology.has_triangles |= mesh.topology.has_triangles;
     before.vertices += mesh.slab.vertices.total;

@@ -31,7 +31,8 @@ private:
 std::vector<SentVertex> send_vertices(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
   std::vector<SentVertex> vertices(mesh.vertices.count);
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    vertices[i] = {mesh.vertices.first + Global(i), mesh.rest_positions[i]};
+    vertices[i] = {mesh.vertices.first + Global(i), mesh.rest_positions[i],
+                   mesh.joint.empty() ? mesh.vertices.first + Global(i) : mesh.joint[i]};
   return exchange(comm, vertices, owners).items;
 }
 
@@ -45,7 +46,8 @@ std::vector<SentCell> send_cells(MPI_Comm comm, const MeshSlab& mesh, const std:
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const std::size_t n = mesh.cell[c].size();
     const Corners2 texture = mesh.texture.empty() ? Corners2() : mesh.texture[c];
-    sender.add({mesh.cell[c], mesh.cells.first + Global(c), texture}, std::span(owner).subspan(at, n));
+    const Corners2 shape = mesh.rest_shape.empty() ? Corners2() : mesh.rest_shape[c];
+    sender.add({mesh.cell[c], mesh.cells.first + Global(c), texture, shape}, std::span(owner).subspan(at, n));
     at += n;
   }
   return sender.send(comm);
@@ -67,7 +69,8 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
     for (std::size_t i = topology.star[v]; i < topology.star[v + 1]; ++i) {
       const Spoke& s = topology.spokes[i];
       if (s.edge >= 0)
-        edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour)}, around);
+        edges.add({s.edge, std::min(s.centre, s.neighbour), std::max(s.centre, s.neighbour), s.rest_length},
+                  around);
     }
     for (; triple != topology.triples.end() && triple->centre == mesh.vertices.first + v; ++triple)
       triples.add(*triple, around);
@@ -92,6 +95,15 @@ std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const To
   return sender.send(comm);
 }
 
+std::vector<SeamPair> send_seams(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, mesh.joint);
+  Sender<SeamPair> sender;
+  for (std::size_t i = 0; i < mesh.joint.size(); ++i)
+    if (const Global v = mesh.vertices.first + Global(i); mesh.joint[i] != v)
+      sender.add({v, mesh.joint[i]}, std::array{owners[i], owner[i]});
+  return sender.send(comm);
+}
+
 } // namespace
 
 MeshParts send_parts(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
@@ -101,6 +113,7 @@ MeshParts send_parts(MPI_Comm comm, const MeshSlab& mesh, const Topology& topolo
   parts.cells = send_cells(comm, mesh, owners);
   send_stars(comm, mesh, topology, owners, parts);
   parts.hinges = send_hinges(comm, mesh, topology, owners);
+  parts.seams = send_seams(comm, mesh, owners);
   return parts;
 }
 

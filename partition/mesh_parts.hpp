@@ -8,15 +8,19 @@ namespace taut {
 struct SentVertex {
   Global original;
   Vec3 rest_position;
+  Global joint; ///< as in MeshSlab; itself without
 };
 struct SentCell {
   Cell cell;
   Global original;
-  Corners2 texture;
+  Corners2 texture, rest_shape;
 };
 struct SentEdge {
   Global original, low, high;
+  double rest_length; ///< m; 0: by the positions
 };
+/// A vertex, and that which it is to be sewn to.
+using SeamPair = std::array<Global, 2>;
 
 /// The entities this rank stores, still by original numbers.
 struct MeshParts {
@@ -25,6 +29,7 @@ struct MeshParts {
   std::vector<SentEdge> edges;
   std::vector<YarnTriple> triples;
   std::vector<EdgeFaces> hinges;
+  std::vector<SeamPair> seams;
 };
 
 /// Sends every entity to each rank that owns one of its vertices; `owners` are those of the slab's vertices.

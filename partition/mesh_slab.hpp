@@ -46,7 +46,11 @@ struct MeshSlab {
   std::vector<Corners2>
       texture; ///< material coordinates of the corners of each cell, as in the file: u
                ///< along warp, v along weft; zero for a cell without; empty if no cell has any
-  bool rest_in_texture = false; ///< the texture, then in m, is the shape of all cells at rest
+  std::vector<Corners2> rest_shape; ///< m: the shape at rest of cells that do not have it by the places of
+                                    ///< their vertices, as those of a garment that is sewn; zero for the
+                                    ///< others; empty if all are such. Cells agree on the lengths of sides.
+  std::vector<Global> joint; ///< of each vertex the first of those it is to be sewn together with, or itself;
+                             ///< empty if there is nothing to sew
   std::vector<Global>
       vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
   std::vector<Global> cell_lines; ///< the same for cells

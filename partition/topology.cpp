@@ -21,14 +21,28 @@ struct CellSide {
   int runs_upwards;             ///< 1 if the cell runs from low to high along this side
   std::array<Global, 2> across; ///< the other vertices of a face; unused places hold -1
   Vec2 run;                     ///< of the texture from low to high; zero without
+  double length;                ///< m, of the rest shape of the cell; zero without
+  Vec2 apex;                    ///< m, in that: as of UnfoldedFaces
 };
 
 struct Edge {
   Global low, high;
   Global number; ///< among the constrained edges, -1 if not one of them
   std::array<Global, 2> cells;
+  double rest_length;
   bool is_thread;
 };
+
+/// Where the middle of the other vertices is in the rest shape of a cell, seen along its side k, upwards or
+/// not.
+Vec2 apex_of(const Corners2& shape, int n, int k, bool upwards) {
+  const Vec2 &a = shape[k], &b = shape[(k + 1) % n];
+  Vec2 middle = shape[(k + 2) % n];
+  if (n > 3) middle = 0.5 * (middle + shape[(k + 3) % n]);
+  const Vec2 along = (b - a).normalized(), d = middle - a;
+  const double t = d.dot(along), beside = std::abs(along[0] * d[1] - along[1] * d[0]);
+  return {upwards ? t : (b - a).norm() - t, beside};
+}
 
 std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
   std::vector<CellSide> sides;
@@ -45,8 +59,15 @@ std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
                                          n > 3 ? cell.vertices[(k + 3) % n] : -1};
       Vec2 run = Vec2::Zero();
       if (!mesh.texture.empty()) run = (a < b ? 1 : -1) * (mesh.texture[c][(k + 1) % n] - mesh.texture[c][k]);
-      sides.push_back(
-          {std::min(a, b), std::max(a, b), mesh.cells.first + Global(c), line, n, a < b, across, run});
+      double length = 0;
+      Vec2 apex = Vec2::Zero();
+      if (!mesh.rest_shape.empty() && n > 2) {
+        const Corners2& shape = mesh.rest_shape[c];
+        length = (shape[(k + 1) % n] - shape[k]).norm();
+        if (length > 0) apex = apex_of(shape, n, k, a < b);
+      }
+      sides.push_back({std::min(a, b), std::max(a, b), mesh.cells.first + Global(c), line, n, a < b, across,
+                       run, length, apex});
       to.push_back(slab_rank(mesh.vertices.total, size_of(comm), sides.back().low));
     }
   }
@@ -99,14 +120,20 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
     const bool is_constrained =
         is_thread || topology.triangles_only || constrained_edges == ConstrainedEdges::all;
     if (group.size() == 2) {
-      const bool first_is_left = group[0].runs_upwards;
-      topology.hinges.push_back({group[0].low, group[0].high, group[first_is_left ? 0 : 1].across,
-                                 group[first_is_left ? 1 : 0].across, group[0].run});
+      const CellSide &left = group[group[0].runs_upwards ? 0 : 1],
+                     &right = group[group[0].runs_upwards ? 1 : 0];
+      topology.hinges.push_back({left.low,
+                                 left.high,
+                                 left.across,
+                                 right.across,
+                                 group[0].run,
+                                 {left.length, left.apex, right.apex}});
     }
     edges.push_back({group[0].low,
                      group[0].high,
                      is_constrained ? constrained++ : -1,
                      {group[0].cell, group.size() > 1 ? group[1].cell : -1},
+                     group[0].length,
                      is_thread});
   }
   agree(comm, fault);
@@ -124,7 +151,7 @@ std::vector<Spoke> collect_spokes(MPI_Comm comm, const MeshSlab& mesh, std::span
   to.reserve(2 * edges.size());
   for (const Edge& e : edges)
     for (const auto& [centre, neighbour] : {std::pair{e.low, e.high}, std::pair{e.high, e.low}}) {
-      spokes.push_back({centre, neighbour, e.number, e.cells, e.is_thread});
+      spokes.push_back({centre, neighbour, e.number, e.cells, e.rest_length, e.is_thread});
       to.push_back(slab_rank(mesh.vertices.total, size_of(comm), centre));
     }
   spokes = exchange(comm, spokes, to).items;

@@ -9,6 +9,7 @@ struct Spoke {
   Global neighbour; ///< original number of the other end
   Global edge;      ///< original number of the constrained edge, or -1 for an edge that is not constrained
   std::array<Global, 2> cells; ///< the cells that have the edge, -1 for none
+  double rest_length;          ///< m, where the cells have a rest shape of their own, else 0
   Global is_thread;            ///< 1 of a side of a quad and of a line, 0 of a side of triangles alone
 };
 
@@ -18,13 +19,22 @@ struct YarnTriple {
   bool operator==(const YarnTriple&) const = default;
 };
 
+/// The two faces of an edge laid flat, m: how long the edge is, and of the middle of the other vertices of
+/// the face to its left and of that to its right, how far along the edge it is from the lower vertex, and how
+/// far beside it.
+struct UnfoldedFaces {
+  double length = 0;
+  Vec2 left = Vec2::Zero(), right = Vec2::Zero();
+};
+
 /// An edge between two faces, over which cloth folds: the edge from its lower to its higher vertex, and the
 /// other vertices of the face to the left of it and of that to the right: two of a quad, one of a triangle
 /// (the second is then -1).
 struct EdgeFaces {
   Global low, high; ///< original vertex numbers
   std::array<Global, 2> left, right;
-  Vec2 run; ///< of the texture from the lower to the higher vertex; zero in a mesh without
+  Vec2 run;              ///< of the texture from the lower to the higher vertex; zero in a mesh without
+  UnfoldedFaces at_rest; ///< zero where the rest shape is that of the positions
 };
 
 /// The vertices of a hinge; unused places repeat the one before.

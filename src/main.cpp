@@ -27,6 +27,7 @@ Examples:
   taut info out/drape                               what a run holds, in words
   taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
   taut mesh shirt.json --edge 5mm --out shirt.h5    mesh the panels of a sewing pattern; --svg FILE draws them
+  taut export out/shirt --to shirt.pc2 --up y       the frames for Blender and others: .pc2 with .obj, .obj, .ply, .usda
   taut schema                                       all keys of a case file (JSON Schema; --table for a table)
 
 What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
@@ -74,6 +75,7 @@ public:
     partition_ =
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
+    export_ = app_.add_subcommand("export", "Write the frames of a run as other programs read them");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
     check_
         ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
@@ -86,6 +88,7 @@ public:
           ->type_name("KEY=VALUE")
           ->take_all();
     run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
+    run_->add_option("--from", from_, "Begin with the cloth of this run as it is in its last frame");
     run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
     run_->add_option("--counters", counters_,
                      "Also count messages, bytes and reductions of each phase, into this file (JSON)");
@@ -106,6 +109,14 @@ public:
         ->take_all();
     mesh_->add_option("-o,--out", out_, "The mesh file to write, .h5 or .obj");
     mesh_->add_option("--svg", svg_, "Draw the panels into this file");
+    export_->add_option("folder", path_, "The folder of the run")->required();
+    export_
+        ->add_option("--to", out_,
+                     "cloth.pc2 (with cloth.obj), .obj or .ply (a file a frame), .usda (one frame)")
+        ->required();
+    export_->add_option("--up", up_, "The axis that points up there: z (as in the run) or y");
+    export_->add_option("--unit", unit_, "Of lengths there: m, cm or mm");
+    export_->add_option("--frame", frame_, "Only this one");
     schema_->add_flag("--table", table_, "A Markdown table instead");
   }
 
@@ -120,6 +131,7 @@ public:
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
     if (*info_) return info(comm, path_);
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
+    if (*export_) return export_frames(comm, {path_, out_, up_, unit_, frame_});
     std::vector<Override> overrides;
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
     if (*resume_) return resume(comm, {path_, overrides, arguments.petsc, checkpoint_, style_of(progress_)});
@@ -127,7 +139,7 @@ public:
     if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, {source, depth()});
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,
-                      style_of(progress_), counters_});
+                      style_of(progress_), from_, counters_});
   }
 
 private:
@@ -138,7 +150,7 @@ private:
     for (const CLI::App* command : app_.get_subcommands(nullptr))
       if (command->get_name() == word) return;
     throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, "
-                                 "partition, mesh and schema, see taut --help",
+                                 "partition, mesh, export and schema, see taut --help",
                                  word));
   }
 
@@ -154,8 +166,10 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *schema_;
-  std::string case_, out_, svg_, path_, checkpoint_, json_, counters_, progress_ = "auto";
+  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *schema_;
+  std::string case_, out_, svg_, path_, from_, checkpoint_, json_, counters_, progress_ = "auto", up_ = "z",
+                                                                              unit_ = "m";
+  std::optional<Global> frame_;
   int ranks_ = 1;
   std::vector<std::string> sets_, edges_;
   bool overwrite_ = false, table_ = false, thorough_ = false;

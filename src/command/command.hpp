@@ -27,6 +27,7 @@ struct RunOptions {
   std::filesystem::path out; ///< empty: out/<name of the case>
   ExistingRun existing = ExistingRun::refuse;
   ProgressStyle progress = ProgressStyle::lines;
+  std::filesystem::path from{};   ///< a run whose mesh and last frame take the place of those of the cloth
   std::filesystem::path counters; ///< where to write what the phases said between ranks; empty: nowhere
 };
 
@@ -58,6 +59,13 @@ struct MeshOptions {
   std::filesystem::path out, svg; ///< empty: none
 };
 
+struct ExportOptions {
+  std::filesystem::path folder; ///< of the run
+  std::filesystem::path to;     ///< .pc2 (and beside it the mesh, .obj), .obj, .ply or .usda
+  std::string up = "z", unit = "m";
+  std::optional<Global> frame{}; ///< absent: all; of .usda the last
+};
+
 int run(MPI_Comm comm, const RunOptions& options);
 int resume(MPI_Comm comm, const ResumeOptions& options);
 int check(MPI_Comm comm, const CheckOptions& options);
@@ -68,6 +76,7 @@ int check_run(MPI_Comm comm, const std::filesystem::path& folder);
 int info(MPI_Comm comm, const std::filesystem::path& path);
 int partition(MPI_Comm comm, const PartitionOptions& options);
 int mesh(MPI_Comm comm, const MeshOptions& options);
+int export_frames(MPI_Comm comm, const ExportOptions& options);
 
 /// Reads the case file on rank 0 and shares it; its PETSc options, with those given, are in force then.
 /// Throws InputError. Collective.

@@ -1,7 +1,8 @@
 #include "io/hdf5.hpp"
+#include "src/command/arrival.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
-#include "src/command/simulate.hpp"
+#include "src/command/sewing.hpp"
 #include "src/command/start_contact.hpp"
 #include "src/config/changes.hpp"
 #include "src/output/checkpoint.hpp"
@@ -175,6 +176,15 @@ void check_folder(MPI_Comm comm, const fs::path& folder) {
   });
 }
 
+/// A run whose first stage, the sewing, is not over has nothing else yet. Collective.
+fs::path folder_of_stage(MPI_Comm comm, const fs::path& folder) {
+  const fs::path sewing = sewing_folder(folder);
+  std::error_code ignored;
+  const bool is_sewing = rank_of(comm) == 0 && !fs::exists(folder / run_files::case_as_run, ignored) &&
+                         fs::exists(sewing / run_files::case_as_run, ignored);
+  return any_of(comm, is_sewing) ? sewing : folder;
+}
+
 /// Whether the folder has all that a run writes when it has ended: the summary is the last of it. Collective.
 bool has_ended(MPI_Comm comm, const fs::path& folder) {
   std::error_code ignored;
@@ -186,13 +196,14 @@ bool has_ended(MPI_Comm comm, const fs::path& folder) {
 int resume(MPI_Comm comm, const ResumeOptions& options) {
   const double began = MPI_Wtime();
   const StopSignal stop;
-  const fs::path& out = options.folder;
+  const fs::path out = folder_of_stage(comm, options.folder);
   check_folder(comm, out);
-  const RunLock lock(comm, out);
+  const RunLock lock(comm, options.folder); // both stages
   const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
   const std::vector<fs::path> checkpoints = candidates(comm, options);
   if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
-  Simulation simulation(comm, input);
+  const Case stage = input.sewing ? sewing_stage(input) : input;
+  Simulation simulation(comm, stage);
   Totals totals;
   if (!checkpoints.empty()) {
     check_mesh(simulation.cloth(), out / run_files::mesh);
@@ -200,10 +211,11 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
-  if (checkpoints.empty() && !clear_start(simulation, input, out / run_files::findings)) return step_failure;
+  if (checkpoints.empty() && !clear_start(simulation, stage, out / run_files::findings)) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
-  if (next_frame > simulation.step_size().frames() && has_ended(comm, out)) {
+  const bool is_over = next_frame > simulation.step_size().frames() || has_arrived(stage, simulation);
+  if (is_over && has_ended(comm, out) && !input.sewing) {
     if (rank_of(comm) == 0)
       fmt::print("{}: the run is complete: it has reached its end at {:g} s; go on further with --set "
                  "time.end=...\n",
@@ -212,8 +224,13 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   }
   try_petsc_options(simulation, input, options.petsc);
   drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
-  announce(comm, simulation, input, out);
-  return simulate(comm, input, simulation, {stop, out, options.progress, began, std::move(totals)});
+  announce(comm, simulation, stage, out);
+  const int code = simulate(comm, stage, simulation,
+                            {stop, out, options.progress, began, std::move(totals), {}, case_as_run(input)});
+  if (!input.sewing || code != success) return code;
+  const CaseSource source{out / run_files::case_as_run, options.overrides, options.petsc};
+  return run_sewn(comm, input, simulation,
+                  {source, out.parent_path(), ExistingRun::overwrite, options.progress, {}, {}}, stop, began);
 }
 
 } // namespace taut::command

@@ -1,6 +1,7 @@
 #include "src/command/simulate.hpp"
 
 #include "io/whole_file.hpp"
+#include "src/command/arrival.hpp"
 #include "src/command/counters.hpp"
 #include "src/output/checkpointer.hpp"
 #include "src/output/frame_formats.hpp"
@@ -20,16 +21,6 @@ namespace taut::command {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The case as run, to be run again from anywhere.
-std::string case_as_run(Case input) {
-  std::vector<std::optional<fs::path>*> paths;
-  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
-  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
-  for (auto* path : paths)
-    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
-  return write_case(input);
-}
 
 int exit_code(Ending ending) {
   switch (ending) {
@@ -59,11 +50,20 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 } // namespace
 
+std::string case_as_run(Case input) {
+  std::vector<std::optional<fs::path>*> paths;
+  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
+  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
+  for (auto* path : paths)
+    if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
+  return write_case(input);
+}
+
 int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
   const fs::path& out = context.out;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
-  const std::string text = case_as_run(input);
+  const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
   write_text_whole(comm, out / run_files::case_as_run, text);
   tell_of_holes(comm, input, simulation.obstacles());
 
@@ -77,7 +77,9 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   std::vector<Observer*> observers{&frames, &log, &progress, &summary};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
-  Outcome outcome = simulation.run(observers, [&] { return context.stop.received(comm); });
+  Outcome outcome = simulation.run(
+      observers, [&] { return context.stop.received(comm); }, [&] { return has_arrived(input, simulation); });
+  if (outcome.completed() && input.sewing) outcome = judge_seams(input, simulation);
 
   frames.flush();
   checkpoints.write();

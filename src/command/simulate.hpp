@@ -13,7 +13,11 @@ struct RunContext {
   double began = 0;                 ///< MPI_Wtime() when the program did
   Totals totals;                    ///< of the run so far
   std::filesystem::path counters{}; ///< as in RunOptions
+  std::string case_text{};          ///< what is kept as the case that was run; empty: `input` as it is
 };
+
+/// The case as YAML, to be run again from anywhere.
+std::string case_as_run(Case input);
 
 /// From the present state of `simulation` to the end, with all files of a run; the exit code. Collective.
 int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context);

@@ -22,6 +22,7 @@ struct Case {
   Vec3 gravity{0, 0, -9.81};      ///< m/s^2
   std::optional<config::Air> air; ///< absent: vacuum
   std::vector<config::Obstacle> obstacles;
+  std::optional<config::Sewing> sewing;   ///< absent: the panels of patterns stay apart
   std::optional<config::Contact> contact; ///< absent: its defaults if there are obstacles, otherwise none
   config::Time time;
   config::Velocity velocity;

@@ -35,6 +35,7 @@ enum class RestShape { mesh, texture };
 enum class PartitionMethod { metis, ptscotch, stripes };
 enum class Field { position, velocity, owner_rank, strain, tension, reaction, contact, yarn };
 enum class FrameFormat { xdmf, pc2 };
+enum class UpAxis { y, z };
 
 /// The words of a choice in the case file, in the order of the enumerators.
 constexpr std::array<std::string_view, 2> words_of(LinearSolver) { return {"cg", "mumps"}; }
@@ -68,5 +69,6 @@ constexpr std::array<std::string_view, 8> words_of(Field) {
   return {"position", "velocity", "owner_rank", "strain", "tension", "reaction", "contact", "yarn"};
 }
 constexpr std::array<std::string_view, 2> words_of(FrameFormat) { return {"xdmf", "pc2"}; }
+constexpr std::array<std::string_view, 2> words_of(UpAxis) { return {"y", "z"}; }
 
 } // namespace taut::config

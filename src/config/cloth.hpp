@@ -73,6 +73,7 @@ struct Cloth {
   double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
   RestShape rest = RestShape::mesh;             ///< of faces
   double texture_unit = 1;                      ///< m per unit of texture, where that is the rest shape
+  std::optional<UpAxis> up; ///< in the file; absent: y of a pattern, z of a mesh. z is up in the case.
   Start start;
   std::optional<std::string> fabric; ///< its values stand in `material` already
   Material material;

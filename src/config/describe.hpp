@@ -36,6 +36,34 @@ void check_single_keys(V& v, Is<Case> auto& c) {
           "must be a word without '/'; it names a folder");
 }
 
+/// What goes with which linear solver.
+template<class V>
+void check_solvers(V& v, const Case& c) {
+  v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
+          "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
+  v.check(
+      "inextensibility",
+      c.inextensibility.solver != LinearSolver::mumps ||
+          (c.inextensibility.method != InextensibilityMethod::icd &&
+           c.inextensibility.method != InextensibilityMethod::sap) ||
+          std::none_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.along || p.plane; }),
+      "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
+      "solver cg");
+}
+
+/// Of a case that begins with panels.
+template<class V>
+void check_sewing(V& v, const Case& c) {
+  v.check("sewing",
+          !c.sewing || std::all_of(c.cloths.begin(), c.cloths.end(),
+                                   [](const Cloth& cloth) { return cloth.pattern.has_value(); }),
+          "is for patterns; remove it, or give every cloth as a pattern");
+  v.check("pins",
+          !c.sewing ||
+              std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
+          "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
+}
+
 template<class V>
 void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
@@ -44,6 +72,11 @@ void describe(V& v, Is<Case> auto& c) {
   v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
   v("obstacles", c.obstacles, {.meaning = "what the cloth collides with"});
+  v("sewing", c.sewing,
+    {.computed_default = "none: panels stay apart",
+     .meaning =
+         "the panels of patterns are sewn together before the case begins; pins and obstacles are until "
+         "then as at time 0"});
   v("contact", c.contact,
     {.computed_default = "its defaults if there are obstacles, otherwise none",
      .meaning = "collisions of the cloth with itself and with obstacles"});
@@ -58,6 +91,7 @@ void describe(V& v, Is<Case> auto& c) {
     {.meaning =
          "PETSc options of the linear solvers, such as '-velocity_ksp_rtol 1e-6'; what stands behind -- "
          "on the command line is added"});
+  check_sewing(v, c);
   v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
   if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(
@@ -84,16 +118,7 @@ void describe(V& v, Is<Case> auto& c) {
           std::all_of(c.cloths.begin(), c.cloths.end(),
                       [&](const Cloth& k) { return k.rest == c.cloths.front().rest; }),
           "rest: texture is of all cloths or of none; give it to each, or to none");
-  v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
-          "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
-  v.check(
-      "inextensibility",
-      c.inextensibility.solver != LinearSolver::mumps ||
-          (c.inextensibility.method != InextensibilityMethod::icd &&
-           c.inextensibility.method != InextensibilityMethod::sap) ||
-          std::none_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.along || p.plane; }),
-      "methods icd and sap cannot keep sliding pins (pins.k.along, pins.k.plane) with solver mumps; choose "
-      "solver cg");
+  check_solvers(v, c);
   check_single_keys(v, c);
 }
 

@@ -38,7 +38,8 @@ void describe(V& v, Is<Rotation> auto& r) {
 
 template<class V>
 void describe(V& v, Is<Start> auto& s) {
-  v("shape", s.shape, {.meaning = "OBJ file with the same vertices in other places"});
+  v("shape", s.shape,
+    {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
   v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
   v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
 }
@@ -96,10 +97,11 @@ void describe(V& v, Is<Cloth> auto& c) {
   v.exactly_one({"grid", "line", "mesh", "pattern"});
   v("grid", c.grid, {.meaning = "a rectangle of quads in the plane z = 0"});
   v("line", c.line, {.meaning = "a chain of line elements along x"});
-  v("mesh", c.mesh, {.meaning = "mesh file (.obj or .h5), relative to the case file"});
+  v("mesh", c.mesh, {.meaning = "mesh file (.obj, .ply, .stl or .h5), relative to the case file"});
   v("pattern", c.pattern,
     {.meaning =
-         "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, not sewn"});
+         "sewing pattern (.json or .yaml), relative to the case file; its panels are placed, and sewn if "
+         "there is `sewing`"});
   v("edge", c.edge,
     {.unit = Unit::metre,
      .range = positive,
@@ -113,6 +115,9 @@ void describe(V& v, Is<Cloth> auto& c) {
     {.unit = Unit::metre,
      .range = positive,
      .meaning = "length of a unit of the texture coordinates, with rest: texture"});
+  v("up", c.up,
+    {.computed_default = "y of a pattern, else z",
+     .meaning = "axis that points up in the file; y is turned to z (x, y, z become x, -z, y)"});
   v("start", c.start, {.meaning = "where the cloth starts"});
   v("fabric", c.fabric, {.words = fabric_names(), .meaning = "fills material; keys given there win"});
   v("material", c.material,

@@ -43,11 +43,12 @@ inline bool increasing(const std::vector<Keyframe>& motion) {
 
 template<class V>
 void describe(V& v, Is<Pin> auto& p) {
-  v.exactly_one({"vertices", "range", "box", "near"});
+  v.exactly_one({"vertices", "range", "box", "near", "label"});
   v("vertices", p.vertices, {.range = not_negative, .meaning = "numbers of the vertices"});
   v("range", p.range, {.range = not_negative, .meaning = "numbers of the first and the last vertex"});
   v("box", p.box, {.meaning = "all vertices whose start position is inside"});
   v("near", p.near, {.unit = Unit::metre, .meaning = "for each point the vertex that starts nearest to it"});
+  v("label", p.label, {.meaning = "label of edges and panels of a pattern: all their vertices"});
   v("cloth", p.cloth,
     {.computed_default = "all cloths together",
      .meaning = "name or number of the cloth that is meant, in which vertices are then numbered"});
@@ -147,13 +148,15 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v("capsule", o.capsule, {.meaning = "all points near a segment"});
   v("box", o.box, {.meaning = "a box along the axes"});
   v("union", o.joined, {.meaning = "spheres, capsules and boxes as one body, rounded where they meet"});
-  v("mesh", o.mesh, {.meaning = "surface of triangles or quads (.obj or .h5), relative to the case file"});
+  v("mesh", o.mesh,
+    {.meaning = "surface of triangles or quads (.obj, .ply, .stl or .h5), relative to the case file"});
   v("sequence", o.sequence,
     {.computed_default = "none",
      .meaning =
          "the mesh is the first of numbered files with the same faces, body_0001.obj, body_0002.obj, ...: "
          "linear between them, the last is held"});
   v("scale", o.scale, {.range = positive, .meaning = "metres per unit of the mesh"});
+  v("up", o.up, {.meaning = "axis that points up in the mesh file; y is turned to z, as of `cloth`"});
   v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
   v("friction", o.friction,
     {.range = not_negative,
@@ -167,6 +170,27 @@ void describe(V& v, Is<Obstacle> auto& o) {
               std::none_of(o.motion.begin(), o.motion.end(),
                            [](const Keyframe& k) { return k.rotate.angle != 0; }),
           "a half-space can be moved but not turned; give plane.reach, which makes it a triangle");
+}
+
+template<class V>
+void describe(V& v, Is<Sewing> auto& s) {
+  v("time", s.time,
+    {.unit = Unit::second,
+     .range = positive,
+     .meaning = "in which the two edges of every seam come together"});
+  v("force", s.force,
+    {.unit = Unit::newton_per_metre,
+     .range = positive,
+     .meaning = "largest pull of a seam, per length: a seam that needs more stays open"});
+  v("limit", s.limit,
+    {.unit = Unit::second,
+     .range = positive,
+     .meaning = "time by which all seams must have closed; those that have not are named"});
+  v("damping", s.damping,
+    {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
+  v("gravity", s.gravity,
+    {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall until then"});
+  v.check("limit", s.limit >= s.time, "is less than time; seams need that long to close");
 }
 
 template<class V>

@@ -15,6 +15,11 @@ void describe(V& v, Is<Time> auto& t) {
   v("end", t.end, {.unit = Unit::second, .range = positive, .meaning = "simulated time to run"});
   v("frame_rate", t.frame_rate,
     {.unit = Unit::hertz, .range = positive, .meaning = "frames written per second, and one at the end"});
+  v("until_rest", t.until_rest,
+    {.unit = Unit::metre_per_second,
+     .range = positive,
+     .computed_default = "until end",
+     .meaning = "the run ends with the first frame at whose end no vertex is faster; at the latest at end"});
   v("max_step", t.max_step, {.unit = Unit::second, .range = positive, .meaning = "longest time step"});
   v("min_step", t.min_step,
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});

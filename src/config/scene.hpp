@@ -34,10 +34,11 @@ struct Keyframe {
 };
 
 struct Pin {
-  std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, range, box and near is there
+  std::optional<std::vector<Global>> vertices; ///< exactly one of vertices, range, box, near, label
   std::optional<std::array<int, 2>> range;     ///< the first and the last vertex
   std::optional<Box> box;
   std::optional<std::vector<Vec3>> near; ///< m
+  std::optional<std::string> label;      ///< of edges and panels of a pattern
   std::optional<std::string> cloth;      ///< name or number of the cloth meant; absent: all of them together
   std::optional<Vec3> along;             ///< free to slide along this axis, of any length
   std::optional<Vec3> plane;             ///< free to slide in the plane with this normal, of any length
@@ -101,10 +102,21 @@ struct Obstacle {
   std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
   std::optional<Sequence> sequence;          ///< `mesh` is its first
   double scale = 1;                          ///< m per unit of the mesh
+  UpAxis up = UpAxis::z;                     ///< in the file of the mesh
   double thickness = 0;                      ///< m added all around
   std::optional<double> friction;            ///< against cloth; absent: that of `contact`
   std::vector<Keyframe> motion;              ///< times increase strictly; empty: at rest
   bool operator==(const Obstacle&) const = default;
+};
+
+/// How the panels of patterns are brought together before the case begins.
+struct Sewing {
+  double time = 1;             ///< s, in which seams are drawn together
+  double force = 10;           ///< N/m, the largest of a seam on each of its edges
+  double limit = 5;            ///< s, by which all seams must be closed
+  double damping = 5;          ///< 1/s, times the mass
+  Vec3 gravity = Vec3::Zero(); ///< m/s^2
+  bool operator==(const Sewing&) const = default;
 };
 
 /// Of model impulse.

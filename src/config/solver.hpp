@@ -10,6 +10,7 @@ namespace taut::config {
 struct Time {
   double end = 1;                             ///< s
   double frame_rate = 30;                     ///< Hz
+  std::optional<double> until_rest{};         ///< m/s; absent: until `end`
   double max_step = 0.01;                     ///< s
   double min_step = 1e-6;                     ///< s
   std::optional<double> max_stretch_change{}; ///< absent: any

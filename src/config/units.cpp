@@ -45,6 +45,7 @@ constexpr std::array scales{
     Scale{Unit::radian, "deg", std::numbers::pi, 180},
     Scale{Unit::metre_per_second, "m/s"},
     Scale{Unit::metre_per_second, "cm/s", 1, 100},
+    Scale{Unit::metre_per_second, "mm/s", 1, 1000},
     Scale{Unit::metre_per_second, "km/h", 10, 36},
     Scale{Unit::metre_per_second2, "m/s^2"},
     Scale{Unit::kilogram_per_metre3, "kg/m^3"},

@@ -39,16 +39,16 @@ private:
   std::array<double, 3> at_;
 };
 
-/// Which corners of two elements are the same vertex.
+/// Which corners of two elements are the same vertex, or sewn together.
 struct Shared {
   bool same[3][3] = {};        ///< corner k of the first and l of the second
   int count = 0, k = 0, l = 0; ///< how many, and one of them
 
-  Shared(const Element& a, const std::array<Global, 3>& keys_a, const Element& b,
-         const std::array<Global, 3>& keys_b) {
+  Shared(const Element& a, const std::array<Global, 3>& joints_a, const Element& b,
+         const std::array<Global, 3>& joints_b) {
     for (int i = 0; i < a.corners; ++i)
       for (int j = 0; j < b.corners; ++j)
-        if (keys_a[i] == keys_b[j]) {
+        if (joints_a[i] == joints_b[j]) {
           same[i][j] = true;
           ++count, k = i, l = j;
         }
@@ -169,8 +169,10 @@ void ContactSearch::look_at(std::span<const BoxPair> pairs, Near& near) const {
 double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
   const ElementSearch::Range range = elements_.range(elements);
-  const Shared shared(a, elements_.keys(elements.first), b, elements_.keys(elements.second));
-  if (shared.count == 1 && a.is_triangle() && b.is_triangle())
+  const Shared shared(a, elements_.joints(elements.first), b, elements_.joints(elements.second));
+  const auto key = [&](Local vertex) { return elements_.vertices()[vertex].key; };
+  const bool has_common_corner = shared.count == 1 && key(a.vertices[shared.k]) == key(b.vertices[shared.l]);
+  if (has_common_corner && a.is_triangle() && b.is_triangle())
     if (const double spare = apart_around(shared, a, b, elements_.positions()) - range.far; spare > 0)
       return spare;
   const Vec3 across = elements_.direction(elements);

@@ -51,8 +51,11 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
   mesh.vertex_halo.update(place);
   for (Local i = 0; i < mesh.vertices.size(); ++i)
     known_.push_back({mesh.owns_vertex(i) ? me : mesh.vertices.ghost_owners[i - own], place[i],
-                      mesh.vertices.original[i]});
-  for (Local k = 0; k < obstacles.vertices(); ++k) known_.push_back({me, own + k, mesh.vertices.total + k});
+                      mesh.vertices.original[i], mesh.joint[i]});
+  for (Local k = 0; k < obstacles.vertices(); ++k) {
+    const Global key = mesh.vertices.total + k;
+    known_.push_back({me, own + k, key, key});
+  }
   elements_ = cloth_elements(mesh);
   own_ = Local(elements_.size());
   for (Element e : obstacles.elements()) {
@@ -61,8 +64,8 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
   }
   known_elements_ = Local(elements_.size());
   for (const Element& e : elements_) {
-    auto& keys = keys_.emplace_back();
-    for (int k = 0; k < e.corners; ++k) keys[k] = known_[e.vertices[k]].key;
+    auto& joints = joints_.emplace_back();
+    for (int k = 0; k < e.corners; ++k) joints[k] = known_[e.vertices[k]].joint;
   }
   ends_.assign(known_.size(), Vec3::Zero());
 }
@@ -135,7 +138,7 @@ void ElementSearch::extend(const std::vector<Local>& grown) {
 /// Whatever other ranks had sent before is forgotten.
 void ElementSearch::find_across() {
   elements_.resize(known_elements_);
-  keys_.resize(known_elements_);
+  joints_.resize(known_elements_);
   receive_elements();
   balls_.clear();
   for (const Element& e : elements_) balls_.push_back(ball_around(e));
@@ -237,9 +240,9 @@ void ElementSearch::receive_elements() {
   }
   for (const SentElement& s : exchange(comm, sent, destinations).items) {
     Element element = s.element;
-    auto& keys = keys_.emplace_back();
+    auto& joints = joints_.emplace_back();
     for (int k = 0; k < element.corners; ++k) {
-      keys[k] = s.vertices[k].key;
+      joints[k] = s.vertices[k].joint;
       element.vertices[k] = Local(vertices_.size());
       vertices_.push_back(s.vertices[k]);
       x_.push_back(s.x[k]);

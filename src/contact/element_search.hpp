@@ -13,9 +13,10 @@ struct Motion {
 
 /// A vertex of cloth or of an obstacle as all ranks know it.
 struct SurfaceVertex {
-  int owner;   ///< rank; obstacles belong to every rank
-  Local place; ///< at its owner: number of the own cloth vertex, or cloth vertices + number in the obstacles
-  Global key;  ///< does not depend on the partition: original number, or vertices of the cloth + number
+  int owner;    ///< rank; obstacles belong to every rank
+  Local place;  ///< at its owner: number of the own cloth vertex, or cloth vertices + number in the obstacles
+  Global key;   ///< does not depend on the partition: original number, or vertices of the cloth + number
+  Global joint; ///< the key of what it is sewn to, or its own: vertices with the same are one for contact
 };
 
 /// Finds pairs of elements that can come near each other, over all ranks: cloth with itself and with
@@ -65,8 +66,8 @@ public:
                         b.thickness};
   }
 
-  /// Of its vertices; beyond its corners there are none.
-  const std::array<Global, 3>& keys(Local k) const { return keys_[k]; }
+  /// The joints of its vertices; beyond its corners there are none.
+  const std::array<Global, 3>& joints(Local k) const { return joints_[k]; }
 
   /// Of length 1, between the middles of two elements.
   Vec3 direction(const BoxPair& pair) const {
@@ -119,7 +120,7 @@ private:
   std::vector<Vec3> ends_; ///< m, of what is known; in a frame that moves like the cloth on the mean
   double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
-  std::vector<std::array<Global, 3>> keys_;
+  std::vector<std::array<Global, 3>> joints_;
   Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
   std::vector<Box> swept_;           ///< by elements, in that frame
   std::vector<Box> boxes_;           ///< of what is known, with room around what is swept

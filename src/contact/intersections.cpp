@@ -43,7 +43,7 @@ void Intersections::pierce(const Element& edges, const Element& face) {
     const Local a = edges.vertices[k], b = edges.edge_end(k);
     bool apart = true;
     for (const Local v : f)
-      apart = apart && vertices[v].key != vertices[a].key && vertices[v].key != vertices[b].key;
+      apart = apart && vertices[v].joint != vertices[a].joint && vertices[v].joint != vertices[b].joint;
     if (apart && CGAL::do_intersect(Kernel::Segment_3(point(x[a]), point(x[b])),
                                     Kernel::Triangle_3(point(x[f[0]]), point(x[f[1]]), point(x[f[2]]))))
       add(a, b, face, std::max(edges.body, face.body));

@@ -1,6 +1,7 @@
 #include "src/contact/obstacles.hpp"
 
 #include "io/mesh_file.hpp"
+#include "src/config/up.hpp"
 #include "src/contact/closest.hpp"
 #include "src/contact/union_mesh.hpp"
 #include "src/state/pins.hpp"
@@ -73,7 +74,8 @@ std::vector<WholeMesh> meshes_of(MPI_Comm comm, const Case& input, int body) {
           fmt::format("{}: obstacles.{}.mesh: the first mesh of a sequence needs a name that ends in a "
                       "number, such as body_0001.obj; found '{}'",
                       input.file.string(), body, o.mesh->string()));
-    const MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale);
+    MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale);
+    config::turn_upright(o.up, slab.rest_positions);
     meshes.push_back({slab.name, everywhere(comm, slab.rest_positions), everywhere(comm, slab.cell)});
     if (!same_faces(meshes.front(), meshes.back()))
       throw InputError(

@@ -45,8 +45,8 @@ YarnBending::YarnBending(const Cloth& cloth, const Pattern& pattern, Threads thr
 }
 
 std::array<double, 3> YarnBending::weights_of(const std::array<Local, 3>& t) const {
-  const auto& rest = cloth_.mesh.rest_positions;
-  auto weights = curvature_weights((rest[t[1]] - rest[t[0]]).norm(), (rest[t[2]] - rest[t[1]]).norm());
+  const auto length = [&](Local other) { return cloth_.rest_length[edge_between(cloth_.mesh, t[1], other)]; };
+  auto weights = curvature_weights(length(t[0]), length(t[2]));
   const double scale = std::sqrt(*stiffness_.of(cloth_.piece_of(t[1])) * cloth_.measure[t[1]]);
   for (double& w : weights) w *= scale;
   return weights;

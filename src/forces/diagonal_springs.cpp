@@ -16,7 +16,7 @@ DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern,
     const auto& v = cell.vertices;
     const std::size_t piece = cloth.piece_of(v[0]);
     if (cell.size() != 4 || !stiffness.of(piece)) continue;
-    const std::array<Vec3, 4> rest = rest_corners(cloth.mesh, c);
+    const std::array<Vec3, 4> rest = corners_at_rest(cloth.mesh, c);
     const double area = 0.5 * (rest[2] - rest[0]).cross(rest[3] - rest[1]).norm();
     for (const int k : {0, 1}) {
       const std::array<Local, 2> ends{v[k], v[k + 2]};

@@ -20,6 +20,11 @@ Vec2 run_of(const Hinge& hinge, const std::array<Vec3, 4>& rest) {
   return {u, std::sqrt(std::max(e.squaredNorm() - u * u, 0.0))};
 }
 
+std::array<Vec3, 4> unfolded(const UnfoldedFaces& faces) {
+  return {Vec3::Zero(), Vec3(faces.length, 0, 0), Vec3(faces.left[0], faces.left[1], 0),
+          Vec3(faces.right[0], -faces.right[1], 0)};
+}
+
 /// Of the angle at `apex` of the triangle with the sides to `a` and `b`.
 double cotangent(const Vec3& apex, const Vec3& a, const Vec3& b) {
   const Vec3 to_a = a - apex, to_b = b - apex;
@@ -59,7 +64,7 @@ std::vector<HingeStencil> folds_of(const Cloth& cloth, const PerPiece<double>& s
     HingeStencil f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
     if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
     if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
-    f.rest = f.corners(cloth.mesh.rest_positions);
+    f.rest = h.at_rest.length > 0 ? unfolded(h.at_rest) : f.corners(cloth.mesh.rest_positions);
     const Vec3 e = f.rest[1] - f.rest[0];
     f.area = 0.5 * (e.cross(f.rest[2] - f.rest[0]).norm() + e.cross(f.rest[3] - f.rest[0]).norm());
     const Vec2 run = run_of(h, f.rest);

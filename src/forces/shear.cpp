@@ -60,7 +60,7 @@ Shear::Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>&
 Shear::Face Shear::face(Local cell) const {
   const DistributedMesh& mesh = cloth_.mesh;
   const auto v = corners_of(mesh.cells[cell]);
-  const auto p = rest_corners(mesh, std::size_t(cell));
+  const auto p = corners_at_rest(mesh, std::size_t(cell));
   const bool quad = mesh.cells[cell].size() == 4;
   const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
   const std::size_t piece = cloth_.piece_of(v[0]);

@@ -28,14 +28,13 @@ void append_side(Local a, Local b, double length, double measure, int direction,
 /// A quad need not be plane: its sides are as long as they are in space.
 void append_quad(const DistributedMesh& mesh, std::size_t cell, std::vector<Tangent>& tangents) {
   const auto& v = mesh.cells[cell].vertices;
-  const std::array<Vec3, 4> rest = rest_corners(mesh, cell);
+  const auto rest = corners_at_rest(mesh, cell);
   const Corners2 m = material_coordinates(mesh, cell);
   const double area = 0.5 * double_area(m[2] - m[0], m[3] - m[1]);
   const int first = warp_side(mesh, cell); // direction of side 0
   for (int k = 0; k < 4; ++k) {
     const int next = (k + 1) % 4;
-    const Local a = v[k], b = v[next];
-    append_side(a, b, (rest[next] - rest[k]).norm(), area / 2, (first + k) % 2, cell, tangents);
+    append_side(v[k], v[next], (rest[next] - rest[k]).norm(), area / 2, (first + k) % 2, cell, tangents);
   }
 }
 

@@ -59,21 +59,29 @@ private:
   bool root_;
 };
 
-void write_cells(RootWriter& file, const GarmentMesh& mesh) {
+void write_corners(RootWriter& file, const std::string& name, std::span<const Cell> cells,
+                   const std::vector<Corners2>& corners) {
+  std::vector<double> numbers;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (int k = 0; k < cells[c].size(); ++k)
+      numbers.insert(numbers.end(), {corners[c][k][0], corners[c][k][1]});
+  file.write(name, numbers, 2);
+}
+
+void write_cells(RootWriter& file, std::span<const Cell> cells, const GarmentMesh& mesh) {
   std::vector<Global> corners, offsets{0};
-  std::vector<double> texture;
+  std::vector<Corners2> texture;
   std::vector<std::int32_t> panel;
-  for (const Cell& cell : mesh.cells) {
+  for (const Cell& cell : cells) {
     corners.insert(corners.end(), cell.vertices.begin(), cell.vertices.begin() + cell.size());
     offsets.push_back(Global(corners.size()));
-    const Corners2 uv = texture_of(mesh, cell);
-    for (int k = 0; k < cell.size(); ++k) texture.insert(texture.end(), {uv[k][0], uv[k][1]});
   }
+  for (const Cell& cell : mesh.cells) texture.push_back(texture_of(mesh, cell));
   for (std::size_t p = 0; p < mesh.panels.size(); ++p)
     panel.insert(panel.end(), std::size_t(mesh.panels[p].cells), std::int32_t(p));
   file.write("/faces", corners, 1);
   file.write("/face_offsets", offsets, 1);
-  file.write("/texture", texture, 2);
+  write_corners(file, "/texture", cells, texture);
   file.write("/cells/panel", panel, 1);
 }
 
@@ -87,14 +95,36 @@ void write_seams(RootWriter& file, const GarmentMesh& mesh) {
   file.write("/seams/offsets", offsets, 1);
 }
 
-void write_labels(RootWriter& file, const GarmentMesh& mesh) {
+void write_lists(RootWriter& file, const std::string& group, const std::vector<std::vector<Global>>& lists) {
   std::vector<Global> all, offsets{0};
-  for (const auto& [name, vertices] : mesh.labels) {
+  for (const auto& vertices : lists) {
     all.insert(all.end(), vertices.begin(), vertices.end());
     offsets.push_back(Global(all.size()));
   }
-  file.write("/labels/vertices", all, 1);
-  file.write("/labels/offsets", offsets, 1);
+  file.write(group + "/vertices", all, 1);
+  file.write(group + "/offsets", offsets, 1);
+}
+
+void write_labels(RootWriter& file, const std::map<std::string, std::vector<Global>>& labels) {
+  std::vector<std::vector<Global>> lists;
+  for (const auto& [name, vertices] : labels) lists.push_back(vertices);
+  write_lists(file, "/labels", lists);
+}
+
+void write_positions(RootWriter& file, const std::vector<Vec3>& positions) {
+  std::vector<double> numbers;
+  for (const Vec3& p : positions) numbers.insert(numbers.end(), p.begin(), p.end());
+  file.write("/rest_positions", numbers, 3);
+}
+
+void write_names(H5Writer& file, const GarmentMesh& mesh) {
+  std::vector<std::string> panels, seams, labels;
+  for (const MeshedPanel& panel : mesh.panels) panels.push_back(panel.name);
+  for (const MeshedSeam& seam : mesh.seams) seams.push_back(seam.name);
+  for (const auto& [name, vertices] : mesh.labels) labels.push_back(name);
+  file.attribute("panels", json_list(panels));
+  file.attribute("seams", json_list(seams));
+  file.attribute("labels", json_list(labels));
 }
 
 } // namespace
@@ -104,21 +134,26 @@ void write_obj(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::pa
 }
 
 void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path) {
-  std::vector<std::string> panels, seams, labels;
-  for (const MeshedPanel& panel : mesh.panels) panels.push_back(panel.name);
-  for (const MeshedSeam& seam : mesh.seams) seams.push_back(seam.name);
-  for (const auto& [name, vertices] : mesh.labels) labels.push_back(name);
   write_whole(comm, path, [&](H5Writer& file) {
     RootWriter root(comm, file);
-    std::vector<double> positions;
-    for (const Vec3& p : mesh.positions) positions.insert(positions.end(), p.begin(), p.end());
-    root.write("/rest_positions", positions, 3);
-    write_cells(root, mesh);
+    write_positions(root, mesh.positions);
+    write_cells(root, mesh.cells, mesh);
     write_seams(root, mesh);
-    write_labels(root, mesh);
-    file.attribute("panels", json_list(panels));
-    file.attribute("seams", json_list(seams));
-    file.attribute("labels", json_list(labels));
+    write_labels(root, mesh.labels);
+    write_names(file, mesh);
+  });
+}
+
+void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const SewnMesh& sewn,
+              const std::filesystem::path& path) {
+  write_whole(comm, path, [&](H5Writer& file) {
+    RootWriter root(comm, file);
+    write_positions(root, sewn.positions);
+    write_cells(root, sewn.cells, mesh);
+    write_corners(root, "/rest_shape", sewn.cells, sewn.rest_shape);
+    write_lists(root, "/seams", sewn.seam);
+    write_labels(root, sewn.labels);
+    write_names(file, mesh);
   });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/garment/garment_mesh.hpp"
+#include "src/garment/sewn_mesh.hpp"
 
 #include <filesystem>
 
@@ -14,5 +15,11 @@ void write_obj(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::pa
 /// (cells), `/seams/pairs` (p, 2) vertices with `/seams/offsets`, `/labels/vertices` with `/labels/offsets`;
 /// attributes `panels`, `seams` and `labels` hold the names, as lists in JSON.
 void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::path& path);
+
+/// The same of a garment that is sewn: also `/rest_shape` (corners, 2) m, see MeshSlab; `/seams/vertices`
+/// with
+/// `/seams/offsets`. `mesh` is that of the panels.
+void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const SewnMesh& sewn,
+              const std::filesystem::path& path);
 
 } // namespace taut::garment

@@ -33,6 +33,20 @@ Slab rows_of(MPI_Comm comm, std::size_t count) {
   return {exclusive_sum(comm, Global(count)), Global(count), sum_over(comm, Global(count))};
 }
 
+void write_corners(H5Writer& file, const DistributedMesh& mesh, const std::string& name,
+                   const std::vector<Corners2>& corners) {
+  struct Row {
+    Corners2 at;
+    double size;
+  };
+  std::vector<Row> owned;
+  for (const Local c : mesh.owned_cells) owned.push_back({corners[c], double(mesh.cells[c].size())});
+  std::vector<double> numbers;
+  for (const Row& row : mesh.cell_order.to_slab<Row>(owned))
+    for (int k = 0; k < int(row.size); ++k) numbers.insert(numbers.end(), {row.at[k][0], row.at[k][1]});
+  file.write<double>(name, numbers, 2, rows_of(mesh.comm, numbers.size() / 2));
+}
+
 void write_cells(H5Writer& file, const DistributedMesh& mesh) {
   const CellLists cells = cells_in_order(mesh);
   const Slab corners = rows_of(mesh.comm, cells.vertices.size());
@@ -43,6 +57,8 @@ void write_cells(H5Writer& file, const DistributedMesh& mesh) {
   file.write<Global>("/faces", cells.vertices, 1, corners);
   file.write<Global>("/face_offsets", offsets, 1, rows_of(mesh.comm, offsets.size()));
   file.attribute("faces", mesh.cell_order.slab().total);
+  if (!mesh.texture.empty()) write_corners(file, mesh, "/texture", mesh.texture);
+  if (!mesh.rest_shape.empty()) write_corners(file, mesh, "/rest_shape", mesh.rest_shape);
   if (shape_of(mesh) != XdmfCells::mixed) return;
   const auto numbers = xdmf_mixed_cells(cells.vertices, cells.offsets);
   file.write<Global>("/xdmf_cells", numbers, 1, rows_of(mesh.comm, numbers.size()));

@@ -54,14 +54,13 @@ namespace {
 double strain_of_quad(const DistributedMesh& mesh, Local cell, std::span<const Vec3> positions,
                       Along direction) {
   double strain = 0;
+  const auto rest = corners_at_rest(mesh, std::size_t(cell));
   const auto& v = mesh.cells[cell].vertices;
-  const std::array<Vec3, 4> rest = rest_corners(mesh, std::size_t(cell));
   const int first = warp_side(mesh, cell);
   for (int k = 0; k < 4; ++k) {
     if ((first + k) % 2 != int(direction)) continue;
-    const Local a = v[k], b = v[(k + 1) % 4];
-    const double at_rest = (rest[(k + 1) % 4] - rest[k]).norm();
-    strain += 0.5 * ((positions[b] - positions[a]).norm() / at_rest - 1.0);
+    const int next = (k + 1) % 4;
+    strain += 0.5 * ((positions[v[next]] - positions[v[k]]).norm() / (rest[next] - rest[k]).norm() - 1.0);
   }
   return strain;
 }

@@ -2,6 +2,8 @@
 #include "partition/distributed_mesh.hpp"
 #include "src/config/case.hpp"
 
+#include <map>
+
 namespace taut {
 
 /// One of the cloths of a case. No cell has vertices of two of them.
@@ -9,8 +11,9 @@ struct Piece {
   config::Material material;
   Global first_vertex = 0; ///< its vertices and cells follow those of the piece before
   Global first_cell = 0;
-  Global vertices = 0, cells = 0; ///< how many, over all ranks
-  bool triangles_only = false;    ///< no quad and no line in it
+  Global vertices = 0, cells = 0;                      ///< how many, over all ranks
+  bool triangles_only = false;                         ///< no quad and no line in it
+  std::map<std::string, std::vector<Global>> labels{}; ///< names of vertices, numbered within the piece
 };
 
 /// What does not change during a run: the mesh and what the rest shape and the material make of it.

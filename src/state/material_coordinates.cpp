@@ -37,41 +37,10 @@ int warp_side(const DistributedMesh& mesh, std::size_t cell) {
   return std::abs(run[0]) >= std::abs(run[1]) ? 0 : 1;
 }
 
-std::array<Vec3, 4> rest_corners(const DistributedMesh& mesh, std::size_t cell) {
-  const LocalCell& c = mesh.cells[cell];
-  std::array<Vec3, 4> x;
-  for (int k = 0; k < 4; ++k) {
-    const int corner = k < c.size() ? k : 0;
-    x[k] = mesh.rest_positions[c.vertices[corner]];
-    if (mesh.rest_in_texture) x[k] << mesh.texture[cell][corner], 0;
-  }
-  return x;
-}
-
-namespace {
-
-Corners2 texture_of(const DistributedMesh& mesh, std::size_t cell) {
-  Corners2 m = mesh.texture[cell];
-  const int n = mesh.cells[cell].size();
-  const Vec2 one = n == 4 ? m[2] - m[0] : m[1] - m[0], two = n == 4 ? m[3] - m[1] : m[2] - m[0];
-  const double side = one[0] * two[1] - two[0] * one[1] < 0 ? -1 : 1;
-  const Vec2 origin = m[0];
-  for (int k = 0; k < 4; ++k) {
-    if (k < n)
-      m[k] = {m[k][0] - origin[0], side * (m[k][1] - origin[1])};
-    else
-      m[k].setZero();
-  }
-  return m;
-}
-
-} // namespace
-
 Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell) {
-  if (mesh.rest_in_texture) return texture_of(mesh, cell);
   const LocalCell& c = mesh.cells[cell];
   const Corners2* texture = mesh.texture.empty() ? nullptr : &mesh.texture[cell];
-  const std::array<Vec3, 4> x = rest_corners(mesh, cell);
+  const std::array<Vec3, 4> x = corners_at_rest(mesh, cell);
   const bool quad = c.size() == 4;
   const Vec3 normal = quad ? (x[2] - x[0]).cross(x[3] - x[1]) : (x[1] - x[0]).cross(x[2] - x[0]);
   Vec3 warp = quad      ? warp_of_quad(x, warp_side(mesh, cell))

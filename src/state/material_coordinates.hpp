@@ -6,13 +6,8 @@ namespace taut {
 /// Where the corners of a face of the mesh lie in the plane of the cloth, in m: u along warp, v along weft,
 /// with the shape of the face at rest. A triangle of a mesh with texture coordinates has its warp where u
 /// grows and v does not; without them, and where the texture of a triangle has no area, warp runs along x as
-/// nearly as the plane of the triangle allows (along y if that is perpendicular to x). Where the texture is
-/// the rest shape they are the texture, with v turned round in a face that it mirrors.
+/// nearly as the plane of the triangle allows (along y if that is perpendicular to x).
 Corners2 material_coordinates(const DistributedMesh& mesh, std::size_t cell);
-
-/// The corners of a cell at rest: in space as in the mesh, or in the plane z = 0 where the texture is the
-/// rest shape. Unused places repeat the first.
-std::array<Vec3, 4> rest_corners(const DistributedMesh& mesh, std::size_t cell);
 
 /// Which sides of a quad are its warp: 0 for the sides 0-1 and 3-2; 1 for the other two, where the texture
 /// says that v grows more than u along 0-1 and 3-2.

@@ -2,13 +2,16 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/config/suggest.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace taut {
 
@@ -73,6 +76,26 @@ Slab counted_by(const config::Pin& pin, const Cloth& cloth, const Case& input) {
   return {piece.first_vertex, piece.vertices, total};
 }
 
+/// Of all cloths, or of the one that is meant.
+std::vector<Global> labelled(const Cloth& cloth, const std::string& label, const Slab& among,
+                             const std::string& key) {
+  std::vector<Global> vertices;
+  std::set<std::string> names;
+  for (const Piece& piece : cloth.pieces) {
+    if (!among.contains(piece.first_vertex)) continue;
+    for (const auto& [name, of_piece] : piece.labels) names.insert(name);
+    if (const auto found = piece.labels.find(label); found != piece.labels.end())
+      for (const Global v : found->second) vertices.push_back(piece.first_vertex - among.first + v);
+  }
+  if (!vertices.empty()) return vertices;
+  const std::vector<std::string> list(names.begin(), names.end());
+  const auto meant = config::nearest(label, list);
+  throw InputError(
+      fmt::format("{}.label: no edge and no panel has the label '{}'{}; {}", key, label,
+                  meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
+                  list.empty() ? "the cloth has none" : fmt::format("there are {}", fmt::join(list, ", "))));
+}
+
 std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const Slab& among,
                                std::span<const Vec3> start, const std::string& key) {
   const IndexMap& map = cloth.mesh.vertices;
@@ -83,6 +106,7 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const
     return found;
   }
   std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
+  if (pin.label) wanted = labelled(cloth, *pin.label, among, key);
   for (const Global v : wanted) require_vertex(among, v, key + ".vertices");
   if (pin.range) require_vertex(among, (*pin.range)[1], key + ".range");
   std::sort(wanted.begin(), wanted.end());

@@ -1,30 +1,51 @@
 #include "src/state/start.hpp"
 
 #include "io/mesh_file.hpp"
-#include "io/obj.hpp"
 #include "partition/grid.hpp"
 #include "partition/mesh_check.hpp"
 #include "src/config/methods.hpp"
+#include "src/config/up.hpp"
+#include "src/garment/labels.hpp"
 #include "src/garment/load_garment.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 
 namespace taut {
 
 namespace {
 
-MeshSlab load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
+config::UpAxis up_of(const config::Cloth& cloth) {
+  return cloth.up.value_or(cloth.pattern ? config::UpAxis::y : config::UpAxis::z);
+}
+
+struct LabelledMesh {
+  MeshSlab slab;
+  garment::Labels labels;
+};
+
+LabelledMesh load_pattern(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
+  const auto garment = garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
+  for (const std::string& warning : garment.mesh.warnings) // rank 0 has them
+    fmt::print(stderr, "taut: warning: {}\n", warning);
+  const auto joints = input.sewing ? garment::Joints::of_seams : garment::Joints::none;
+  return {garment::share_out(comm, garment, joints), garment::share_labels(comm, garment.mesh.labels)};
+}
+
+LabelledMesh load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
   if (cloth.grid)
-    return make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells));
-  if (cloth.line) return make_line(comm, cloth.line->length, cloth.line->vertices);
-  if (cloth.pattern) return garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
-  return read_mesh(comm, input.folder() / *cloth.mesh, cloth.scale);
+    return {make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells)), {}};
+  if (cloth.line) return {make_line(comm, cloth.line->length, cloth.line->vertices), {}};
+  const auto file = input.folder() / cloth.mesh.value_or("");
+  LabelledMesh mesh =
+      cloth.pattern ? load_pattern(comm, input, cloth)
+                    : LabelledMesh{read_mesh(comm, file, cloth.scale), garment::read_labels(comm, file)};
+  config::turn_upright(up_of(cloth), mesh.slab.rest_positions);
+  return mesh;
 }
 
 /// Sides of triangles where they are averaged over.
@@ -36,7 +57,6 @@ ConstrainedEdges constrained_edges(const Case& input) {
 /// Makes the texture, in m, the rest shape. Throws InputError for a cell that has none. Collective.
 void rest_in_texture(MPI_Comm comm, double unit, MeshSlab& mesh) {
   std::optional<std::string> fault;
-  mesh.rest_in_texture = true;
   mesh.texture.resize(mesh.cell.size(), {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()});
   for (std::size_t c = 0; c < mesh.cell.size(); ++c) {
     const int n = mesh.cell[c].size();
@@ -51,6 +71,7 @@ void rest_in_texture(MPI_Comm comm, double unit, MeshSlab& mesh) {
                       place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[c]));
   }
   agree(comm, fault);
+  mesh.rest_shape = mesh.texture;
 }
 
 } // namespace
@@ -60,12 +81,13 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   std::vector<ListedMesh> meshes;
   Global vertices = 0, cells = 0;
   for (const config::Cloth& cloth : input.cloths) {
-    ListedMesh& mesh = meshes.emplace_back(ListedMesh{load_mesh(comm, input, cloth), {}});
+    auto [slab, labels] = load_mesh(comm, input, cloth);
+    ListedMesh& mesh = meshes.emplace_back(ListedMesh{std::move(slab), {}});
     if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
     Piece& piece = all.pieces.emplace_back(
-        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only});
+        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, labels});
     vertices += v.total;
     cells += c.total;
     auto& model = piece.material.bending_model;
@@ -92,7 +114,8 @@ void take_shape(const Cloth& cloth, const Case& input, std::size_t k, std::vecto
   const config::Cloth& given = input.cloths[k];
   const int ranks = size_of(mesh.comm);
   const Slab mine = slab_of(piece.vertices, ranks, rank_of(mesh.comm)), all = mesh.vertex_order.slab();
-  const auto shape = read_obj_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
+  auto shape = read_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
+  config::turn_upright(up_of(given), shape);
   std::vector<int> to;
   for (Global i = 0; i < mine.count; ++i)
     to.push_back(slab_rank(all.total, ranks, piece.first_vertex + mine.first + i));

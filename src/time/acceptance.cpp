@@ -48,8 +48,8 @@ std::string Acceptance::fault_of_faces(const Candidate& candidate) const {
   if (!faces_limit_) return "";
   const double strain = face_strain(candidate.positions);
   if (strain <= *faces_limit_) return "";
-  return fmt::format("a single triangle strains by {}, over its limit {:g}", told_apart(strain, *faces_limit_),
-                     *faces_limit_);
+  return fmt::format("a single triangle strains by {}, over its limit {:g}",
+                     told_apart(strain, *faces_limit_), *faces_limit_);
 }
 
 /// How drastically stretch changes in the step [BW98 section 6].

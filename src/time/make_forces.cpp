@@ -11,6 +11,7 @@
 #include "src/forces/diagonal_springs.hpp"
 #include "src/forces/gravity.hpp"
 #include "src/forces/isometric_bending.hpp"
+#include "src/forces/seam_force.hpp"
 #include "src/forces/shear.hpp"
 #include "src/forces/springs.hpp"
 #include "src/forces/stretch.hpp"
@@ -180,7 +181,8 @@ void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern,
                    const Case& input) {
   Forces forces;
-  forces.push_back(std::make_unique<Gravity>(cloth, input.gravity));
+  // What is made of the weight, as stretch_stiffness, is the same while the cloth is sewn.
+  forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? input.sewing->gravity : input.gravity));
   add_bending(cloth, pattern, input, forces);
   add_shear(cloth, pattern, input, forces);
   add_stretch(cloth, pattern, input, forces);
@@ -188,6 +190,7 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
         damping_of(cloth)));
+  if (input.sewing) forces.push_back(std::make_unique<SeamForce>(cloth, pattern, *input.sewing));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
   if (input.contact_model() == config::ContactModel::constraint)
     forces.push_back(std::make_unique<CarriedContact>(cloth));

@@ -55,7 +55,8 @@ void Simulation::set_start(State state) {
   start_depth_ = lowest(cloth_, state_.positions, down_);
 }
 
-Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop) {
+Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop,
+                        const std::function<bool()>& finished) {
   const PhaseScope phase(Phase::other);
   for (Observer* o : observers) o->at_start(state_);
   int rejected = 0;  // attempts since the last accepted step
@@ -91,6 +92,7 @@ Outcome Simulation::run(std::span<Observer* const> observers, const std::functio
       ++frame;
     }
     for (Observer* o : observers) o->between_steps(state_);
+    if (ends_frame && finished()) break;
   }
   return {};
 }

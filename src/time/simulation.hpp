@@ -26,8 +26,10 @@ public:
   Simulation(MPI_Comm comm, const Case& input);
 
   /// From the present state until the end time, until a step would have to be smaller than `time.min_step`,
-  /// or until `stop`, asked between steps, says so on all ranks. Collective.
-  Outcome run(std::span<Observer* const> observers, const std::function<bool()>& stop = never);
+  /// until `stop`, asked between steps, says so on all ranks, or until `finished`, asked after each frame,
+  /// does. Collective.
+  Outcome run(std::span<Observer* const> observers, const std::function<bool()>& stop = never,
+              const std::function<bool()>& finished = never);
 
   /// Takes the place of another simulation of this case, between two of its steps. `state`: ghosts current.
   void restore(State state, const StepSize::Memory& steps, Global rejected_steps);

@@ -121,8 +121,9 @@ MISTAKES = [
            "interlock, ponte"),
 
     Mistake("mesh_missing", "taut: mesh.obj: no such file, or it may not be read; check its name", MESH_CASE),
-    Mistake("mesh_of_unknown_kind", "taut: cloth.stl: the extension '.stl' is not known; give a mesh file .obj or .h5",
-            MESH_CASE, ("--set", "cloth.mesh=cloth.stl")),
+    Mistake("mesh_of_unknown_kind",
+            "taut: cloth.dae: the extension '.dae' is not known; give a mesh file .obj, .ply, .stl or .h5",
+            MESH_CASE, ("--set", "cloth.mesh=cloth.dae")),
     mesh("mesh_empty", "", "taut: mesh.obj: no vertices; write one 'v x y z' a line"),
     mesh("mesh_without_faces", SQUARE,
          "taut: mesh.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
@@ -282,8 +283,8 @@ MISTAKES = [
            "The following argument was not expected: --nonsense\nRun with --help for more information."),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
-            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh and "
-            "schema, see taut --help"),
+            "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh, "
+            "export and schema, see taut --help"),
     Mistake("pattern_stitches", "taut: pattern.yaml:3:14: stitches.0.0.panel: there is no panel 'fornt' (did you mean "
             "'front'?); there are front",
             files={"pattern.yaml": PATTERN + "stitches:\n"

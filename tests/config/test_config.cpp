@@ -106,7 +106,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(c.gravity, Vec3(0, 0, -1.62));
   EXPECT_DOUBLE_EQ(c.air->wind.x(), 20 / 3.6);
   EXPECT_EQ(c.air->gust, (config::Gust{1, 2, 3}));
-  EXPECT_EQ(c.time, (config::Time{120, 25, 0.003, 1e-6}));
+  EXPECT_EQ(c.time, (config::Time{.end = 120, .frame_rate = 25, .max_step = 0.003, .min_step = 1e-6}));
   EXPECT_EQ(c.velocity, (config::Velocity{LinearSolver::mumps, 1e-8, 7}));
   EXPECT_EQ(c.inextensibility.strain, 0.01);
   EXPECT_FALSE(c.inextensibility.carried_tension);
@@ -427,7 +427,7 @@ TEST(ConfigError, MissingKey) {
                "vertex i*nx + j); add it"));
   EXPECT_EQ(error("cloth: {scale: 2}"), at("1:8", "cloth: give one of the keys grid, line, mesh, pattern"));
   EXPECT_EQ(error_after_cloth("pins: [{release: 1}]"),
-            at("2:8", "pins.0: give one of the keys vertices, range, box, near"));
+            at("2:8", "pins.0: give one of the keys vertices, range, box, near, label"));
 }
 
 TEST(ConfigError, DuplicateKey) {

@@ -207,10 +207,15 @@ TEST(GarmentFiles, HoldPanelsSeamsAndLabels) {
 }
 
 TEST(GarmentInACase, IsMeshedWithTheEdgeLengthOfTheCase) {
-  const std::string text = "cloth: {pattern: skirt.yaml, edge: 2 cm}\n";
-  const Case input = read_case(text, std::string(TAUT_SOURCE_DIR) + "/cases/skirt-pattern/case.yaml");
-  const MeshSlab slab = share_out(world, rank_of(world) == 0 ? skirt(0.02) : GarmentMesh{}, "skirt");
-  expect_same(read_cloth(world, input).mesh.slab, slab, 0);
+  const auto read = [](const std::string& more) {
+    const std::string text = "cloth: {pattern: skirt.yaml, edge: 2 cm" + more + "}\n";
+    const Case input = read_case(text, std::string(TAUT_SOURCE_DIR) + "/cases/skirt-pattern/case.yaml");
+    return read_cloth(world, input).mesh.slab;
+  };
+  MeshSlab slab = share_out(world, rank_of(world) == 0 ? skirt(0.02) : GarmentMesh{}, "skirt");
+  expect_same(read(", up: z"), slab, 0);
+  for (Vec3& p : slab.rest_positions) p = Vec3(p[0], -p[2], p[1]);
+  expect_same(read(""), slab, 0);
 }
 
 TEST(Drawing, ShowsPanelsAndSeams) {

@@ -337,6 +337,6 @@ TEST(MeshFile, NamesFileAndDatasetInErrors) {
   write_whole(world, file.path(), [](H5Writer&) {});
   EXPECT_THAT(message_of([&] { read_mesh(world, file.path(), 1.0); }),
               HasSubstr("m.h5: /rest_positions cannot be read"));
-  EXPECT_THAT(message_of([&] { read_mesh(world, "cloth.stl", 1.0); }),
-              AllOf(HasSubstr("cloth.stl"), HasSubstr(".obj"), HasSubstr(".h5")));
+  EXPECT_THAT(message_of([&] { read_mesh(world, "cloth.dae", 1.0); }),
+              AllOf(HasSubstr("cloth.dae"), HasSubstr(".obj"), HasSubstr(".h5")));
 }

@@ -27,7 +27,7 @@ MeshSlab cut_larger(MPI_Comm comm, double larger) {
   MeshSlab slab = slab_of_whole(comm, mesh.rest_positions, mesh.cell);
   const auto first = texture.begin() + slab.cells.first;
   slab.texture.assign(first, first + slab.cells.count);
-  slab.rest_in_texture = true;
+  slab.rest_shape = slab.texture;
   return slab;
 }
 

@@ -1,0 +1,53 @@
+#include "src/command/arrival.hpp"
+
+#include "src/config/cloths.hpp"
+#include "src/forces/seam_force.hpp"
+#include "src/garment/load_garment.hpp"
+
+#include <fmt/format.h>
+
+namespace taut::command {
+
+namespace {
+
+double largest_speed(const Simulation& simulation) {
+  const DistributedMesh& mesh = simulation.cloth().mesh;
+  double largest = 0; // squared
+  for (Local i = 0; i < mesh.vertices.owned; ++i)
+    largest = std::max(largest, simulation.state().velocities[i].squaredNorm());
+  return std::sqrt(max_over(mesh.comm, largest));
+}
+
+/// The name of the seam that has this vertex, by its number among all cloths.
+std::string name_of_seam(const Case& input, const Cloth& cloth, Global vertex) {
+  const std::size_t k = cloth.piece_of_original(vertex);
+  const Global number = vertex - cloth.pieces[k].first_vertex;
+  const auto garment = garment::load_garment(cloth.mesh.comm, input.folder() / *input.cloths[k].pattern,
+                                             *input.cloths[k].edge);
+  for (const auto& seam : garment.mesh.seams)
+    for (const auto& [a, b] : seam.pairs)
+      if (a == number || b == number) return seam.name;
+  return "";
+}
+
+} // namespace
+
+bool has_arrived(const Case& input, const Simulation& simulation) {
+  if (input.sewing) return widest_seam(simulation.cloth(), simulation.state().positions).over_closed <= 1;
+  return input.time.until_rest && largest_speed(simulation) <= *input.time.until_rest;
+}
+
+Outcome judge_seams(const Case& input, const Simulation& simulation) {
+  const OpenSeam open = widest_seam(simulation.cloth(), simulation.state().positions);
+  if (open.over_closed <= 1) return {};
+  const std::string name =
+      broadcast_text(simulation.cloth().mesh.comm, name_of_seam(input, simulation.cloth(), open.vertex));
+  return {Ending::failed,
+          fmt::format(
+              "seam {} is still open by {:.3g} mm between vertices {} and {} after sewing.limit, {:g} s; "
+              "give it more sewing.force, {:g} N/m, or more time, or place the panels nearer to where "
+              "they belong",
+              name, 1000 * open.distance, open.joint, open.vertex, input.sewing->limit, input.sewing->force)};
+}
+
+} // namespace taut::command

@@ -1,0 +1,68 @@
+#include "src/forces/seam_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace taut {
+
+SeamForce::SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing)
+    : cloth_(cloth), time_(sewing.time) {
+  const auto& rest = cloth.mesh.rest_positions;
+  for (const auto& pair : cloth.mesh.seams) {
+    const double share = seam_length_at(cloth, pair[0]), force = sewing.force * share;
+    strings_.push_back({pair, (rest[pair[1]] - rest[pair[0]]).norm(), force, force / (held * share),
+                        pattern.slots<2>(pair)});
+  }
+}
+
+/// Of the length at the start: 1 - 3 s^2 + 2 s^3, whose ends are at rest.
+double SeamForce::part_left(double time) const {
+  const double s = std::clamp(time / time_, 0.0, 1.0);
+  return 1 - s * s * (3 - 2 * s);
+}
+
+double SeamForce::energy(const State& state) const {
+  double energy = 0;
+  const double left = part_left(state.time);
+  for (const String& s : strings_) {
+    if (!cloth_.mesh.owns_vertex(s.ends[0])) continue;
+    const double distance = (state.positions[s.ends[1]] - state.positions[s.ends[0]]).norm();
+    const double e = std::max(distance - left * s.length, 0.0);
+    energy += s.stiffness * e <= s.force ? 0.5 * s.stiffness * e * e
+                                         : s.force * e - 0.5 * s.force * s.force / s.stiffness;
+  }
+  return energy;
+}
+
+void SeamForce::add_to(StepSystem& system, const State& state) {
+  const double left = part_left(state.time + system.dt());
+  for (const String& s : strings_) {
+    const auto& [a, b] = s.ends;
+    const Vec3 d = state.positions[b] - state.positions[a];
+    const double distance = d.norm(), e = distance - left * s.length;
+    if (e <= 0) continue;
+    const double w = std::min(s.stiffness, s.force / e), across = std::min(w, w * e / distance);
+    system.add_force(a, across * d);
+    system.add_force(b, -across * d);
+    system.add_outer<2>(s.ends, s.slots, {-1, 1}, across, 0.0);
+    const Vec3 n = d / distance;
+    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()}, w - across,
+                        0.0);
+  }
+}
+
+OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions) {
+  const IndexMap& map = cloth.mesh.vertices;
+  OpenSeam widest;
+  for (const auto& [a, b] : cloth.mesh.seams) {
+    const double distance = (positions[b] - positions[a]).norm();
+    const double over = distance / (SeamForce::closed * seam_length_at(cloth, a));
+    if (cloth.mesh.owns_vertex(a) && over > widest.over_closed)
+      widest = {distance, over, map.original[a], map.original[b]};
+  }
+  for (const OpenSeam& seam : gather_to_all<OpenSeam>(cloth.mesh.comm, std::span(&widest, 1)))
+    if (seam.over_closed > widest.over_closed) widest = seam;
+  return widest;
+}
+
+} // namespace taut

@@ -1,0 +1,64 @@
+#pragma once
+#include "src/config/scene.hpp"
+#include "src/forces/force.hpp"
+#include "src/linear/pattern.hpp"
+
+namespace taut {
+
+/// Draws the two edges of every seam together: a string from each vertex to that which it is sewn to, whose
+/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing. What the string is
+/// too long by, e = max(|d| - L, 0), costs
+///
+///     E = k/2 e^2 up to e = F/k, from there on F e - F^2/(2k)   [Huber 1964],
+///
+/// so that no seam ever pulls with more than F = `force` times the length of seam at the vertex. It does so
+/// where its ends are more than `held` of that length apart. A seam counts as closed where they are nearer
+/// than `closed` of it: what is missing is then smaller than what a step of the projection mends.
+///
+/// With w = min(k, F/e), the force is w e along d. In place of its derivative along d, which is 0 where the
+/// pull is largest, the system gets w: the parabola that touches E and is nowhere below it, as in iteratively
+/// reweighted least squares, with which a step of any length takes ends together and not past each other.
+class SeamForce : public Force {
+public:
+  /// Of a string, over the length of seam at its vertex.
+  static constexpr double held = 2e-3, closed = 0.05;
+
+  /// `cloth` must outlive the force. Not collective.
+  SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing);
+
+  std::string_view name() const override { return "seams"; }
+  double energy(const State& state) const override;
+  /// At the end of the step, that is with L(t + dt).
+  void add_to(StepSystem& system, const State& state) override;
+
+private:
+  struct String {
+    std::array<Local, 2> ends; ///< a vertex, and that which it is sewn to
+    double length;             ///< m, at the start
+    double force;              ///< N, at most
+    double stiffness;          ///< N/m
+    Pattern::Slots<2> slots;
+  };
+  double part_left(double time) const;
+
+  const Cloth& cloth_;
+  double time_; ///< s
+  std::vector<String> strings_;
+};
+
+/// How much seam belongs to a vertex at the edge of a panel, m: half of what is around it makes a square.
+inline double seam_length_at(const Cloth& cloth, Local vertex) {
+  return std::sqrt(2 * cloth.measure[vertex]);
+}
+
+/// A pair of vertices that are to be sewn together, by original numbers, and how far they are apart.
+struct OpenSeam {
+  double distance = 0;    ///< m
+  double over_closed = 0; ///< times the distance at which they count as closed; 0 if there are no seams
+  Global vertex = -1, joint = -1;
+};
+
+/// The pair that is farthest from being closed. Collective.
+OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions);
+
+} // namespace taut
