@@ -4,6 +4,7 @@
 #include "src/state/state.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <concepts>
 
 namespace taut {
@@ -20,6 +21,14 @@ enum class ConstraintUse {
 /// not soften the cloth.
 inline double bounded_compliance(double asked, double yields, double most_part) {
   return std::min(asked, most_part * yields);
+}
+
+/// That part; but a compliance that the case gives is the material's, and has no bound without contact.
+inline double most_part(const config::Inextensibility& options, ConstraintUse use, double alone,
+                        double otherwise) {
+  if (use == ConstraintUse::with_contact) return otherwise;
+  if (!options.has_default_compliance) return HUGE_VAL;
+  return use == ConstraintUse::alone ? alone : otherwise;
 }
 
 /// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the

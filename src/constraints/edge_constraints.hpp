@@ -2,6 +2,8 @@
 #include "src/constraints/constraint_set.hpp"
 #include "src/constraints/edge_loops.hpp"
 
+#include <cmath>
+
 namespace taut {
 
 /// The constraints of all edges, C = |d|^2/l - l = 0 [G07 section 3], with their gradients: dC/dx = 2 d/l by
@@ -17,7 +19,7 @@ public:
   /// part, `most_compliance`, of what an edge yields. Local edges whose entry of `constrained` is 0 have no
   /// constraint, in that no motion changes it; if it is empty, all have.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  ConstraintUse use = ConstraintUse::alone, double most_compliance = 1e-3,
+                  ConstraintUse use = ConstraintUse::alone, double most_compliance = HUGE_VAL,
                   std::vector<char> constrained = {});
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.

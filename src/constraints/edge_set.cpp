@@ -10,18 +10,20 @@ namespace {
 
 /// Tension that is the same all along a thread meets its curvature alone, which is 3e-5 of what edges yield
 /// where it sags by a fiftieth between two pins. Programs with contact take too few products for that.
-double most_compliance(ConstraintUse use) { return use == ConstraintUse::alone ? 1e-5 : 1e-3; }
+double most_compliance(const config::Inextensibility& options, ConstraintUse use) {
+  return most_part(options, use, 1e-5, 1e-3);
+}
 
 } // namespace
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
                  std::vector<char> constrained)
-    : constraints_(cloth, options, use, most_compliance(use), std::move(constrained)), options_(options),
-      use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
-      program_compliance_(cloth.mesh.edges.owned) {}
+    : constraints_(cloth, options, use, most_compliance(options, use), std::move(constrained)),
+      options_(options), use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()), program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : constraints_(cloth, options, use, most_compliance(use)), options_(options), use_(use),
+    : constraints_(cloth, options, use, most_compliance(options, use)), options_(options), use_(use),
       change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {
   if (use != ConstraintUse::with_contact) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;

@@ -94,10 +94,11 @@ bool MetricSet::can_change(Local vertex) const {
 }
 
 void MetricSet::take_compliances() {
+  const double most = most_part(options_, use_, 1e-3, 1e-3);
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
     const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
     const double yields = 4.0 * inverse_mass_around(i); // about J W J^T of a row whose metric is 1
-    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, 1e-3) : 1.0);
+    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, most) : 1.0);
   }
 }
 
@@ -127,7 +128,6 @@ SolveReport MetricSet::solve(double tolerance) {
   SolveReport report = system_->solve(residual_, tolerance, change_);
   if (!report.failure.empty()) return report;
   add_change();
-  spread_to_edges(change_, edge_values_);
   return report;
 }
 
@@ -186,6 +186,7 @@ std::vector<RowPlace> MetricSet::row_places() const {
 
 void MetricSet::add_change() {
   for (std::size_t i = 0; i < mu_.size(); ++i) mu_[i] += change_[i];
+  spread_to_edges(change_, edge_values_); // for `displacement`
 }
 
 Vec3 MetricSet::displacement(Local vertex) const {
