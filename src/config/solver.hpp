@@ -58,9 +58,9 @@ struct Inextensibility {
   int max_iterations = 20;
   double residual = 0.3; ///< of newton
   bool carried_tension = true;
-  std::optional<double> compliance;    ///< 1/N; absent: see EdgeConstraints
-  bool has_default_compliance = false; ///< no key: set where the default is put in
-  std::optional<Shake> shake;          ///< the blocks of single methods; absent: their defaults
+  std::optional<double> compliance;  ///< 1/N; absent: see EdgeConstraints
+  bool may_bound_compliance = false; ///< no key: set where the default is put in, see most_part
+  std::optional<Shake> shake;        ///< the blocks of single methods; absent: their defaults
   std::optional<Limiting> limiting;
   std::optional<Xpbd> xpbd;
   std::optional<Springs> springs;

@@ -23,11 +23,12 @@ inline double bounded_compliance(double asked, double yields, double most_part) 
   return std::min(asked, most_part * yields);
 }
 
-/// That part; but a compliance that the case gives is the material's, and has no bound without contact.
+/// That part. A compliance that the case gives is the material's, and has no bound without contact; nor has
+/// it where contact has the last word, because stiff edges would throw back what it has strained.
 inline double most_part(const config::Inextensibility& options, ConstraintUse use, double alone,
                         double otherwise) {
   if (use == ConstraintUse::with_contact) return otherwise;
-  if (!options.has_default_compliance) return HUGE_VAL;
+  if (!options.may_bound_compliance) return HUGE_VAL;
   return use == ConstraintUse::alone ? alone : otherwise;
 }
 

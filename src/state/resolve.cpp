@@ -44,8 +44,10 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   result.weight = weight_of(cloth, input.gravity);
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
-  limits.has_default_compliance = !limits.compliance && limits.method != config::InextensibilityMethod::xpbd;
-  if (limits.has_default_compliance) limits.compliance = default_compliance(limits.strain, result.weight);
+  if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd) {
+    limits.compliance = default_compliance(limits.strain, result.weight);
+    limits.may_bound_compliance = config::holds_limit(input);
+  }
   if (!config::holds_limit(input)) return result;
   result.strain_limit = limits.strain;
   if (limits.constrain == config::Constrain::vertices && config::is_filter(limits.method))

@@ -44,7 +44,8 @@ bool all_finite(MPI_Comm comm, std::span<const Vec3> field) {
 
 FilterChain::FilterChain(const StepperParts& parts, const Case& input)
     : cloth_(parts.cloth), limits_(parts.resolved.inextensibility), holds_limit_(config::holds_limit(input)),
-      projects_contact_(input.contact_model() == config::ContactModel::constraint),
+      contact_is_filter_(input.contact_model() == config::ContactModel::constraint ||
+                         input.contact_model() == config::ContactModel::impulse),
       pushes_(edges_with_pushes(parts.cloth.mesh, *limits_.constrain)), filters_(make_filters(parts, input)) {
 }
 
@@ -58,7 +59,7 @@ void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidat
   apply_filters(start, freedom, candidate, report);
   set_positions(start, candidate);
   if (config::is_filter(limits_.method)) add_pull(start.state, freedom, candidate);
-  if (projects_contact_) add_pressure(start.state, freedom, candidate);
+  if (contact_is_filter_) add_pressure(start.state, freedom, candidate);
 }
 
 void FilterChain::apply_filters(const StepStart& start, const Freedom& freedom, Candidate& candidate,

@@ -29,7 +29,7 @@ private:
 
   const Cloth& cloth_;
   config::Inextensibility limits_;
-  bool holds_limit_, projects_contact_;
+  bool holds_limit_, contact_is_filter_;
   std::vector<char> pushes_; ///< see edges_with_pushes
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
 };

@@ -101,8 +101,8 @@ MISTAKES = [
            "it, or "
            "choose another method"),
     added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
-          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with methods fast_projection and newton "
-          "only; choose one of these, or contact.model: impulse, penalty or none"),
+          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with methods fast_projection and "
+          "newton only; choose one of these, or contact.model: impulse, penalty or none"),
     added("contact_by_newton", "inextensibility: {method: newton}\nobstacles: [{plane: {point: [0, 0, -1]}}]\n"
           "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton goes with contact.model "
           "constraint or none only; choose one of these, or method fast_projection"),
@@ -211,8 +211,8 @@ MISTAKES = [
           "taut: case.yaml: inextensibility.constrain: vertices is for meshes with triangles; quads and lines "
           "keep warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with methods fast_projection and newton "
-          "only; choose one of these, or edges"),
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with methods fast_projection and "
+          "newton only; choose one of these, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n",
          "taut: case.yaml: cloth.material.bending_model: yarn "
          "cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or baraff_witkin",

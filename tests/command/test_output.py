@@ -63,7 +63,8 @@ class Output(running.Folder):
         """Warp lies along x, weft along y; the cloth hangs by its side at x = 0, or by that at y = 0."""
         for hanging, across, turn, pinned in (("warp", "weft", [0, 1, 0], list(range(0, 121, 11))),
                                               ("weft", "warp", [-1, 0, 0], list(range(11)))):
-            run = self.run_case(f"by-{hanging}", "--set", f"cloth.start.rotate={{axis: {turn}, angle: 90 deg}}", "--set",
+            run = self.run_case(f"by-{hanging}", "--set", f"cloth.start.rotate={{axis: {turn}, angle: 90 deg}}",
+                                "--set",
                                 f"pins=[{{vertices: {pinned}}}]", "--set", "time.end=0.2")
             last = Datasets(run / "frames/frame_000004.h5").read_all()
             for field in ("strain", "tension"):
