@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts the table of all keys, as `taut schema --table` prints it, into README.md."""
+"""Puts the table of all keys, as `taut schema --table` prints it, into src/config/README.md."""
 import argparse
 import re
 import subprocess
@@ -13,7 +13,7 @@ parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--check", action="store_true", help="only say whether the table is that of the program")
 launch.add_program(parser)
 options = parser.parse_args()
-readme = launch.ROOT / "README.md"
+readme = launch.ROOT / "src/config/README.md"
 old = readme.read_text()
 table = subprocess.run([options.program, "schema", "--table"], check=True, capture_output=True,
                        text=True).stdout.strip()
@@ -22,4 +22,4 @@ new = re.sub(re.escape(begin) + ".*?" + re.escape(end), lambda _: f"{begin}\n{ta
 if not options.check:
     readme.write_text(new)
 elif new != old:
-    sys.exit("README.md: the table of keys is not that of the program; run scripts/update_readme.py")
+    sys.exit("src/config/README.md: the table of keys is not that of the program; run scripts/update_readme.py")

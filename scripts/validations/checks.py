@@ -1,6 +1,7 @@
 """The verdicts of validations, and the table of all of them."""
 import csv
 import math
+import textwrap
 from typing import NamedTuple
 
 from studies.table import machine
@@ -59,8 +60,8 @@ def write_table(folder, judged):
              f"{len(checks)} values, {missed} of them outside their tolerance. Machine: {machine()}. Made by "
              f"`scripts/validate`."]
     for validation, checks in judged:
-        lines += ["", f"## {validation.name}", "", validation.about, "", f"![{validation.name}]({validation.name}.png)",
-                  "",
+        lines += ["", f"## {validation.name}", "", textwrap.fill(validation.about, 118), "",
+                  f"![{validation.name}]({validation.name}.png)", "",
                   "| " + " | ".join(COLUMNS) + " |", "| --- " * len(COLUMNS) + "|"]
         lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in check.cells()).replace("| missed |",
                                                                                                 "| **missed** |") + " |"
