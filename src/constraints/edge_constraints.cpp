@@ -8,14 +8,21 @@
 
 namespace taut {
 
-EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                                 ConstraintUse use, double most_compliance, std::vector<char> constrained)
-    : cloth_(cloth), constrained_(std::move(constrained)), compliance_(options.compliance.value_or(0.0)),
-      most_compliance_(most_compliance), use_(use), gradients_(cloth.mesh.edges.size(), Vec3::Zero()),
-      values_(cloth.mesh.edges.owned), scaled_compliance_(cloth.mesh.edges.owned),
-      inverse_mass_(cloth.mesh.vertices.size()) {
-  if (use == ConstraintUse::with_contact) lengths_.resize(cloth.mesh.edges.owned);
+namespace {
+
+Vec3 edge_vector(const Cloth& cloth, std::span<const Vec3> x, Local edge) {
+  const auto& [a, b] = cloth.mesh.edge_vertices[edge];
+  return x[b] - x[a];
 }
+
+} // namespace
+
+EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
+                                 double most_compliance, std::vector<char> constrained)
+    : cloth_(cloth), constrained_(std::move(constrained)), compliance_(options.compliance.value_or(0.0)),
+      most_compliance_(most_compliance), gradients_(cloth.mesh.edges.size(), Vec3::Zero()),
+      values_(cloth.mesh.edges.owned), lengths_(cloth.mesh.edges.owned),
+      scaled_compliance_(cloth.mesh.edges.owned), inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void EdgeConstraints::start(double dt, const Freedom& freedom) {
   dt_ = dt;
@@ -30,22 +37,35 @@ void EdgeConstraints::start(double dt, const Freedom& freedom) {
 }
 
 double EdgeConstraints::evaluate(std::span<const Vec3> x) {
-  const DistributedMesh& mesh = cloth_.mesh;
   double max = 0;
-  for (Local e = 0; e < mesh.edges.size(); ++e) {
-    if (!has(e)) continue; // values and gradients stay 0
-    const auto& [a, b] = mesh.edge_vertices[e];
-    const double l = cloth_.rest_length[e];
-    const Vec3 d = x[b] - x[a];
-    gradients_[e] = (2.0 / l) * d;
-    if (!mesh.owns_edge(e)) continue;
-    const double squared = d.squaredNorm(), length = std::sqrt(squared);
-    values_[e] = (use_ == ConstraintUse::alone ? squared : length * length) / l - l;
-    if (!lengths_.empty()) lengths_[e] = length;
-    const double strain = length / l - 1.0;
-    max = std::max(max, std::isfinite(strain) ? std::abs(strain) : HUGE_VAL);
+  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
+    const Vec3 d = edge_vector(cloth_, x, e);
+    if (has(e)) max = std::max(max, linearize(e, d, d)); // without, values and gradients stay 0
   }
-  return max_over(mesh.comm, max);
+  return max_over(cloth_.mesh.comm, max);
+}
+
+double EdgeConstraints::evaluate(std::span<const Vec3> x, std::span<const Vec3> start) {
+  double max = 0;
+  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
+    if (!has(e)) continue;
+    const Vec3 d = edge_vector(cloth_, x, e), was = edge_vector(cloth_, start, e);
+    const double l = cloth_.rest_length[e];
+    const double missing = 1 - d.norm() / l, back = -d.dot(was) / (l * l);
+    const Vec3 at = d + std::max(0.0, missing + std::max(0.0, back)) * was;
+    max = std::max(max, linearize(e, d, at));
+  }
+  return max_over(cloth_.mesh.comm, max);
+}
+
+double EdgeConstraints::linearize(Local e, const Vec3& d, const Vec3& at) {
+  const double l = cloth_.rest_length[e];
+  gradients_[e] = (2.0 / l) * at;
+  if (!cloth_.mesh.owns_edge(e)) return 0;
+  values_[e] = at.dot(2.0 * d - at) / l - l;
+  lengths_[e] = at.normalized().dot(d);
+  const double strain = d.norm() / l - 1.0;
+  return std::isfinite(strain) ? std::abs(strain) : HUGE_VAL;
 }
 
 double EdgeConstraints::strain(std::span<const Vec3> x) const {

@@ -19,8 +19,7 @@ public:
   /// part, `most_compliance`, of what an edge yields. Local edges whose entry of `constrained` is 0 have no
   /// constraint, in that no motion changes it; if it is empty, all have.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  ConstraintUse use = ConstraintUse::alone, double most_compliance = HUGE_VAL,
-                  std::vector<char> constrained = {});
+                  double most_compliance = HUGE_VAL, std::vector<char> constrained = {});
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -28,6 +27,13 @@ public:
   /// Values and gradients at `x` (local vertices); returns the largest |strain| over all ranks, infinite if
   /// one is not a number. Collective.
   double evaluate(std::span<const Vec3> x);
+
+  /// The same, but linearised at d + w d_start: w is what d misses of its length, and of its direction where
+  /// it points back. Of an edge that collapsed or turned round d does not tell which way its ends have to go:
+  /// linearised at d alone an impact throws vertices as far as the cloth is wide. (With d_start in place of d
+  /// such impacts took a few iterations less, but folds, whose edges do turn, took half as many again; with w
+  /// the whole part of d_start that d has lost flags lost most of their steps.) Collective.
+  double evaluate(std::span<const Vec3> x, std::span<const Vec3> start);
 
   /// The same strain alone. Collective.
   double strain(std::span<const Vec3> x) const;
@@ -47,8 +53,8 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  std::span<const double> lengths() const { return lengths_; }      ///< m, of owned edges; with contact
-  const std::vector<Vec3>& gradients() const { return gradients_; } ///< of local edges
+  std::span<const double> lengths() const { return lengths_; } ///< m, of owned edges along their gradients
+  const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
   std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
   const Freedom& freedom() const { return freedom_; }
@@ -59,10 +65,12 @@ public:
   bool has(Local edge) const { return constrained_.empty() || constrained_[edge] != 0; }
 
 private:
+  /// At the edge vector `at`, for one that is `d`; returns the |strain| of an owned edge.
+  double linearize(Local edge, const Vec3& d, const Vec3& at);
+
   const Cloth& cloth_;
   std::vector<char> constrained_;
   double compliance_, most_compliance_; ///< c, in 1/N; of what an edge yields
-  ConstraintUse use_;
   double dt_ = 0;
   Freedom freedom_;
   std::vector<Vec3> gradients_;

@@ -18,12 +18,12 @@ double most_compliance(const config::Inextensibility& options, ConstraintUse use
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
                  std::vector<char> constrained)
-    : constraints_(cloth, options, use, most_compliance(options, use), std::move(constrained)),
-      options_(options), use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()),
-      mu_(cloth.mesh.edges.size()), program_compliance_(cloth.mesh.edges.owned) {}
+    : constraints_(cloth, options, most_compliance(options, use), std::move(constrained)), options_(options),
+      use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
+      program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : constraints_(cloth, options, use, most_compliance(options, use)), options_(options), use_(use),
+    : constraints_(cloth, options, most_compliance(options, use)), options_(options), use_(use),
       change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {
   if (use != ConstraintUse::with_contact) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;
@@ -40,7 +40,9 @@ void EdgeSet::start(const State& start, double dt, const Freedom& freedom, const
 }
 
 double EdgeSet::evaluate(std::span<const Vec3> x) {
-  const double strain = constraints_.evaluate(x);
+  const double strain = use_ == ConstraintUse::in_newton
+                            ? constraints_.evaluate(x) // it takes turned edges back
+                            : constraints_.evaluate(x, start_->positions);
   for (std::size_t e = 0; e < program_compliance_.size(); ++e)
     program_compliance_[e] = constraints_.can_change(Local(e)) ? constraints_.scaled_compliance()[e] : 1.0;
   return strain;
@@ -103,7 +105,8 @@ void EdgeSet::program_residual(std::span<double> residual) const {
       const double most = most_kept * options_.strain * l;
       kept = strain_kept_ * std::clamp((start_->positions[b] - start_->positions[a]).norm() - l, -most, most);
     }
-    residual[e] = 2 * (length / l) * (length - l - kept) - constraints_.scaled_compliance()[e] * mu_[e];
+    residual[e] = constraints_.gradients()[e].norm() * (length - l - kept) -
+                  constraints_.scaled_compliance()[e] * mu_[e];
   }
 }
 

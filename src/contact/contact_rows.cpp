@@ -13,6 +13,7 @@ namespace taut {
 namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
+constexpr double close = 0.2;    ///< of the thickness, beyond it
 
 } // namespace
 
@@ -33,7 +34,10 @@ void ContactRows::make(int iteration) {
   scene_.gather_target();
   find_contacts();
   rows_.clear();
-  if (count_ > 0) recall();
+  if (count_ > 0) {
+    recall();
+    drop_idle();
+  }
   for (Local k = 0; k < Local(contacts_.size()); ++k) {
     turn_impulse(k);
     add_normal_row(k, iteration);
@@ -140,8 +144,10 @@ void ContactRows::add_contact(const Pair& pair, const Approach& here) {
   if ((!is_near || is_covered) && !safe_.was_stopped_by(pair)) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved
-  contacts_.push_back({pair.vertices, here.weights, here.normal, yields, gap_wanted(pair, here) - gap,
-                       key_of(pair, here, keys), friction_of(pair, scene_.obstacles(), options_), pair.body});
+  const double violation = gap_wanted(pair, here) - gap;
+  const bool is_close = violation > -close * thickness_.of(pair, keys) || safe_.was_stopped_by(pair);
+  contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key_of(pair, here, keys),
+                       friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
 }
 
 /// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
@@ -171,6 +177,21 @@ void ContactRows::recall() {
   }
   for (const auto& [key, entry] : hand_out(scene_.cloth().mesh, at_home_, keys))
     known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed};
+}
+
+/// Leaves the contacts that may press: in a stack of layers one in four. If a program brings another one too
+/// near it has a row in the next iteration.
+void ContactRows::drop_idle() {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const ContactRecord& record = *records_[k];
+    if (!contacts_[k].is_close && record.impulse.normal <= 0 && !record.before) continue;
+    contacts_[kept] = contacts_[k];
+    records_[kept++] = records_[k];
+  }
+  contacts_.resize(kept);
+  records_.resize(kept);
+  count_ = sum_over(scene_.cloth().mesh.comm, Global(kept));
 }
 
 /// What has pressed and rubbed a contact, told by the normal that it has now.

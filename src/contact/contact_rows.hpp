@@ -77,6 +77,7 @@ private:
   void add_contact(const Pair& pair, const Approach& here);
   void add_corners(const Pair& pair, const Approach& here);
   void recall();
+  void drop_idle();
   void turn_impulse(Local contact);
   void add_normal_row(Local contact, int iteration);
   void add_friction_rows(Local contact, int iteration);

@@ -17,6 +17,7 @@ struct Contact {
   ContactKey key;
   double friction;   ///< Coulomb's coefficient
   std::int16_t body; ///< the obstacle, or -1
+  bool is_close;     ///< to its thickness, or has stopped the safe iterate
 };
 
 /// One scalar condition on a contact: its left side is direction . sum_i weights[i] y_i.
