@@ -28,11 +28,12 @@ public:
   /// one is not a number. Collective.
   double evaluate(std::span<const Vec3> x);
 
-  /// The same, but linearised at d + w d_start: w is what d misses of its length, and of its direction where
-  /// it points back. Of an edge that collapsed or turned round d does not tell which way its ends have to go:
-  /// linearised at d alone an impact throws vertices as far as the cloth is wide. (With d_start in place of d
-  /// such impacts took a few iterations less, but folds, whose edges do turn, took half as many again; with w
-  /// the whole part of d_start that d has lost flags lost most of their steps.) Collective.
+  /// The same, but linearised at d + w d_start: w is what d misses of its length beyond half of it, and of
+  /// its direction where it points back. Of an edge that collapsed or turned round d does not tell which way
+  /// its ends have to go: linearised at d alone an impact on layers throws vertices as far as the cloth is
+  /// wide. (With d_start in place of d impacts took a few iterations less, but folds, whose edges do turn,
+  /// half as many again. Without contact this saves most of the rejected steps of folding cloth, but a
+  /// correction has a torque then, and flags lost steps.) Collective.
   double evaluate(std::span<const Vec3> x, std::span<const Vec3> start);
 
   /// The same strain alone. Collective.

@@ -40,9 +40,8 @@ void EdgeSet::start(const State& start, double dt, const Freedom& freedom, const
 }
 
 double EdgeSet::evaluate(std::span<const Vec3> x) {
-  const double strain = use_ == ConstraintUse::in_newton
-                            ? constraints_.evaluate(x) // it takes turned edges back
-                            : constraints_.evaluate(x, start_->positions);
+  const double strain = use_ == ConstraintUse::with_contact ? constraints_.evaluate(x, start_->positions)
+                                                            : constraints_.evaluate(x);
   for (std::size_t e = 0; e < program_compliance_.size(); ++e)
     program_compliance_[e] = constraints_.can_change(Local(e)) ? constraints_.scaled_compliance()[e] : 1.0;
   return strain;
