@@ -190,6 +190,11 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,
     {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall until then"});
+  v("bending", s.bending,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .meaning = "bending stiffness until then, of cloth that is softer: panels that stay smooth do not get "
+                "caught on one another"});
   v.check("limit", s.limit >= s.time, "is less than time; seams need that long to close");
 }
 

@@ -116,6 +116,7 @@ struct Sewing {
   double limit = 5;            ///< s, by which all seams must be closed
   double damping = 5;          ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
+  double bending = 0;          ///< N m, at least
   bool operator==(const Sewing&) const = default;
 };
 
