@@ -44,8 +44,8 @@ struct PartitionReport {
 
 /// One rank's part of the mesh. A rank stores the star (all neighbours and constrained edges) of every vertex
 /// that is one of its own or a neighbour of one, and every cell, yarn triple and hinge that touches one of
-/// its own vertices. So it can assemble all rows of what it owns, of vertices and of edges, without
-/// communication.
+/// its own vertices; of a triangle all hinges, if one of them does. So it can assemble all rows of what it
+/// owns, of vertices and of edges, without communication.
 ///
 /// Within a rank, vertices are numbered along a Morton curve through the rest shape and edges yarn by yarn.
 /// Cells, triples and hinges, and the edges around a vertex, stand in an order that does not depend on the

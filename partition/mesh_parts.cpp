@@ -2,8 +2,10 @@
 
 #include "partition/fetch.hpp"
 #include "partition/sort_unique.hpp"
+#include "partition/triangle_hinges.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace taut {
 
@@ -83,16 +85,33 @@ void send_stars(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, c
   parts.edges.erase(std::unique(parts.edges.begin(), parts.edges.end(), same), parts.edges.end());
 }
 
+/// Hinges go to the owners of their vertices; those of a triangle all together, for the curvature of the
+/// triangle is made of them.
 std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                                    const std::vector<int>& owners) {
+  const auto triangles = hinges_of_triangles(comm, mesh.vertices, topology.hinges);
   std::vector<Global> wanted;
   for (const EdgeFaces& h : topology.hinges)
     for (const Global v : vertices_of(h)) wanted.push_back(v);
+  for (const HingesOfTriangle& t : triangles)
+    for (const Global v : t.vertices()) wanted.push_back(v);
   const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
   Sender<EdgeFaces> sender;
-  for (std::size_t k = 0; k < topology.hinges.size(); ++k)
-    sender.add(topology.hinges[k], std::span(owner).subspan(6 * k, 6));
-  return sender.send(comm);
+  std::span<const int> next(owner);
+  const auto take = [&next](std::size_t n) { return std::exchange(next, next.subspan(n)).first(n); };
+  for (const EdgeFaces& h : topology.hinges) sender.add(h, take(6));
+  for (const HingesOfTriangle& t : triangles) {
+    const auto around = take(6 * t.hinges.size());
+    for (const EdgeFaces& h : t.hinges) sender.add(h, around);
+  }
+  auto hinges = sender.send(comm);
+  const auto edge = [](const EdgeFaces& h) { return std::pair(h.low, h.high); };
+  std::sort(hinges.begin(), hinges.end(),
+            [&](const EdgeFaces& a, const EdgeFaces& b) { return edge(a) < edge(b); });
+  hinges.erase(std::unique(hinges.begin(), hinges.end(),
+                           [&](const EdgeFaces& a, const EdgeFaces& b) { return edge(a) == edge(b); }),
+               hinges.end());
+  return hinges;
 }
 
 std::vector<SeamPair> send_seams(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {

@@ -3,6 +3,7 @@
 #include "partition/distributed_mesh.hpp"
 #include "partition/fetch.hpp"
 #include "partition/sort_unique.hpp"
+#include "partition/triangle_hinges.hpp"
 #include "partition/yarns.hpp"
 
 #include <algorithm>
@@ -62,8 +63,7 @@ void store(std::vector<Stored>& stored, const std::vector<int>& storing, int own
 }
 
 /// All parts that meet in one entity store all its vertices.
-template<std::size_t n>
-void store_together(std::vector<Stored>& stored, const std::array<Global, n>& vertices,
+void store_together(std::vector<Stored>& stored, std::span<const Global> vertices,
                     std::span<const int> owners) {
   std::vector<int> meeting(owners.begin(), owners.end());
   sort_unique(meeting);
@@ -94,7 +94,22 @@ void store_hinges(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
     for (const Global v : vertices_of(h)) wanted.push_back(v);
   const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
   for (std::size_t k = 0; k < topology.hinges.size(); ++k)
-    store_together(ghosts.vertices, vertices_of(topology.hinges[k]), std::span(owner).subspan(6 * k, 6));
+    store_together(ghosts.vertices, std::span(wanted).subspan(6 * k, 6), std::span(owner).subspan(6 * k, 6));
+}
+
+void store_hinges_of_triangles(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                               const std::vector<int>& owners, Ghosts& ghosts) {
+  const auto triangles = hinges_of_triangles(comm, mesh.vertices, topology.hinges);
+  std::vector<Global> wanted;
+  for (const HingesOfTriangle& t : triangles)
+    for (const Global v : t.vertices()) wanted.push_back(v);
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, wanted);
+  std::size_t at = 0;
+  for (const HingesOfTriangle& t : triangles) {
+    const std::size_t n = 6 * t.hinges.size();
+    store_together(ghosts.vertices, std::span(wanted).subspan(at, n), std::span(owner).subspan(at, n));
+    at += n;
+  }
 }
 
 /// A star is stored by the parts of its centre and of all neighbours. Returns the edges that are cut, each
@@ -206,6 +221,7 @@ PartitionFigures partition_figures(MPI_Comm comm, const MeshSlab& mesh, const To
   Ghosts ghosts;
   store_cells(comm, mesh, owners, ghosts);
   store_hinges(comm, mesh, topology, owners, ghosts);
+  store_hinges_of_triangles(comm, mesh, topology, owners, ghosts);
   figures.edge_cut = sum_over(comm, store_stars(comm, mesh, topology, owners, ghosts));
   count_ghosts(counter, ghosts, figures);
 

@@ -54,3 +54,18 @@ def write(path, vertices, faces=()):
     path.write_text("".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in vertices) +
                     "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces))
     return str(path)
+
+
+def one_way(length, spacing, rows):
+    """Squares all cut along the same diagonal."""
+    places, corners = grid(length, spacing, rows)
+    return places, [face for p, q, r, s in corners for face in ((p, q, r), (p, r, s))]
+
+
+def irregular(length, spacing, rows):
+    """Equilateral triangles whose inner vertices, but those of the two columns that are held, are moved at random."""
+    places, faces = equilateral(length, spacing, rows)
+    inside = (places[:, 0] > 1.6 * spacing) & (places[:, 0] < length - 0.6 * spacing) & (places[:, 1] > 0) & \
+        (places[:, 1] < places[:, 1].max())
+    places[inside] += np.random.default_rng(1).uniform(-0.25, 0.25, (inside.sum(), 2)) * spacing
+    return places, faces

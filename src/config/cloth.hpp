@@ -58,6 +58,7 @@ struct Material {
   double density = 0.2;                      ///< kg/m^2, kg/m on a line
   double bending = 1e-5;                     ///< N m, N m^2 on a line
   std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
+  std::optional<double> twist;               ///< N m, of quads; absent: see make_forces
   std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
   RestAngles rest_angles = RestAngles::flat;
   double shear = 10; ///< N/m

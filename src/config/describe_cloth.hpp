@@ -69,6 +69,11 @@ void describe(V& v, Is<Material> auto& m) {
      .range = not_negative,
      .computed_default = "bending",
      .meaning = "bending stiffness of weft threads; not with bending_model: yarn"});
+  v("twist", m.twist,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .computed_default = "bending; with `bending_weft`, the geometric mean of both",
+     .meaning = "twist stiffness of quads: that of an isotropic sheet is its bending stiffness"});
   v("bending_model", m.bending_model,
     {.computed_default = "yarn; isometric on a mesh with triangles, or with bending_weft",
      .meaning = "what resists bending: curvature of each yarn, or the fold over each edge between faces: its "

@@ -10,14 +10,14 @@ namespace taut {
 
 namespace {
 
-/// How far the edge runs along warp and weft.
+/// The direction of the edge along warp and weft.
 Vec2 run_of(const Hinge& hinge, const std::array<Vec3, 4>& rest) {
-  if (hinge.run != Vec2::Zero()) return hinge.run;
-  const Vec3 e = rest[1] - rest[0];
-  const Vec3 normal = e.cross(rest[2] - rest[0]).normalized() + (rest[3] - rest[0]).cross(e).normalized();
-  const Vec3 warp = default_warp(normal.isZero(1e-9) ? Vec3(Vec3::UnitZ()) : normal);
+  if (hinge.run != Vec2::Zero()) return hinge.run.normalized();
+  const Vec3 e = (rest[1] - rest[0]).normalized();
+  const Vec3 sum = e.cross(rest[2] - rest[0]).normalized() + (rest[3] - rest[0]).cross(e).normalized();
+  const Vec3 normal = sum.isZero(1e-9) ? Vec3(Vec3::UnitZ()) : sum.normalized(), warp = default_warp(normal);
   const double u = e.dot(warp);
-  return {u, std::sqrt(std::max(e.squaredNorm() - u * u, 0.0))};
+  return {u, std::copysign(std::sqrt(std::max(1 - u * u, 0.0)), e.dot(normal.cross(warp)))};
 }
 
 std::array<Vec3, 4> unfolded(const UnfoldedFaces& faces) {
@@ -54,25 +54,18 @@ std::array<Vec3, 4> HingeStencil::corners(std::span<const Vec3> x) const {
           weight[4] * x[v[4]] + weight[5] * x[v[5]]};
 }
 
-std::vector<HingeStencil> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
-                                   const PerPiece<double>& stiffness_weft) {
-  std::vector<HingeStencil> folds;
-  for (const Hinge& h : cloth.mesh.hinges) {
-    const std::size_t piece = cloth.piece_of(h.edge[0]);
-    const auto &warp = stiffness_warp.of(piece), &weft = stiffness_weft.of(piece);
-    if (!warp || !weft) continue;
-    HingeStencil f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, 0, 0};
-    if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
-    if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
-    f.rest = h.at_rest.length > 0 ? unfolded(h.at_rest) : f.corners(cloth.mesh.rest_positions);
-    const Vec3 e = f.rest[1] - f.rest[0];
-    f.area = 0.5 * (e.cross(f.rest[2] - f.rest[0]).norm() + e.cross(f.rest[3] - f.rest[0]).norm());
-    const Vec2 run = run_of(h, f.rest);
-    const double b = (*warp * run[1] * run[1] + *weft * run[0] * run[0]) / run.squaredNorm();
-    f.stiffness = b * e.squaredNorm() / f.area;
-    folds.push_back(f);
-  }
-  return folds;
+double HingeStencil::area_of_side(int side) const {
+  return 0.5 * (rest[1] - rest[0]).cross(rest[2 + side] - rest[0]).norm();
+}
+
+HingeStencil hinge_stencil(const DistributedMesh& mesh, const Hinge& h) {
+  HingeStencil f{vertices_of(h), {1, 1, 1, 0, 1, 0}, {}, {}, 0, 0};
+  if (h.left[1] >= 0) f.weight[2] = f.weight[3] = 0.5;
+  if (h.right[1] >= 0) f.weight[4] = f.weight[5] = 0.5;
+  f.rest = h.at_rest.length > 0 ? unfolded(h.at_rest) : f.corners(mesh.rest_positions);
+  f.run = run_of(h, f.rest);
+  f.area = f.area_of_side(0) + f.area_of_side(1);
+  return f;
 }
 
 std::array<double, 4> isometric_row(const std::array<Vec3, 4>& rest) {

@@ -22,19 +22,18 @@ struct HingeStencil {
   std::array<Local, 6> vertices; ///< edge, left, right; unused places repeat the one before
   std::array<double, 6> weight;  ///< of each vertex in its corner: 1, or 1/2 and 1/2, or 1 and 0
   std::array<Vec3, 4> rest;      ///< x0 .. x3 at rest
-  double stiffness;              ///< B |e|^2 / (A_left + A_right), J
-  double area;                   ///< A_left + A_right of the two triangles, m^2
+  Vec2 run;                      ///< of the edge along warp and weft, of length one
+  double area;                   ///< A = A_left + A_right of the two triangles, m^2
+  double stiffness;              ///< J, of the angle; of faces that are no TriangleStencil
 
   int size() const { return vertices[3] != vertices[2] || vertices[5] != vertices[4] ? 6 : 4; }
   std::array<Vec3, 4> corners(std::span<const Vec3> x) const;
+  double length() const { return (rest[1] - rest[0]).norm(); } ///< of the edge, m
+  double area_of_side(int side) const;                         ///< A_left (0) or A_right (1)
 };
 
-/// All folds of the pieces that have both stiffnesses, with B = (B_warp dv^2 + B_weft du^2) / (du^2 + dv^2)
-/// for an edge that runs by (du, dv) in the cloth: an edge along weft folds the warp threads [BW98
-/// section 4.4, for meshes whose edges follow the threads]. The energy sum 1/2 B |e|^2 / A theta^2 of a mesh
-/// bent to a cylinder along its edges is B / 2 kappa^2 times its area.
-std::vector<HingeStencil> folds_of(const Cloth& cloth, const PerPiece<double>& stiffness_warp,
-                                   const PerPiece<double>& stiffness_weft);
+/// Without a stiffness.
+HingeStencil hinge_stencil(const DistributedMesh& mesh, const Hinge& hinge);
 
 /// The row K of the isometric bending form [Bergou et al. 2006, section 3; Wardetzky et al. 2007]: |K x|^2 /
 /// A = |e|^2 / A theta^2 for small angles at rest lengths, K x = sum K_i x_i.

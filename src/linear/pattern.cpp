@@ -1,6 +1,7 @@
 #include "src/linear/pattern.hpp"
 
 #include "partition/sort_unique.hpp"
+#include "partition/triangle_hinges.hpp"
 
 #include <limits>
 #include <stdexcept>
@@ -28,6 +29,7 @@ Pattern::Pattern(const DistributedMesh& mesh) {
   if (!mesh.triangles_only) // where they are yarns, and bend
     for (const auto& t : mesh.triples) append_pairs(t, owned, couplings);
   for (const Hinge& h : mesh.hinges) append_pairs(vertices_of(h), owned, couplings);
+  for (const TrianglePatch& p : triangle_patches(mesh)) append_pairs(p.vertices, owned, couplings);
   for (const auto& pair : mesh.seams) append_pairs(pair, owned, couplings);
   sort_unique(couplings);
   if (couplings.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))

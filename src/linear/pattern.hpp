@@ -5,7 +5,8 @@
 namespace taut {
 
 /// Which vertices act on which: the rows of owned vertices, over local columns, of every matrix between
-/// vertices. Two vertices are coupled if they share a cell, a yarn triple or a hinge. Fixed for a mesh.
+/// vertices. Two vertices are coupled if they share a cell, a yarn triple, a hinge or a patch of
+/// triangles (see TrianglePatch). Fixed for a mesh.
 class Pattern {
 public:
   /// Not collective.

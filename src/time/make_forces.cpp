@@ -15,6 +15,7 @@
 #include "src/forces/shear.hpp"
 #include "src/forces/springs.hpp"
 #include "src/forces/stretch.hpp"
+#include "src/forces/twist.hpp"
 
 #include <fmt/format.h>
 
@@ -55,18 +56,20 @@ PerPiece<double> damping_of(const Cloth& cloth) {
 
 BendingModel bending_model_of(const Material& material) { return material.bending_model.value(); }
 
+double weft_bending_of(const Material& m) { return m.bending_weft.value_or(m.bending); }
+
 bool bends_to_mesh(const Material& material) { return material.rest_angles == config::RestAngles::mesh; }
+
+/// By default that of an isotropic plate, or of one between its two stiffnesses.
+double twist_of(const Material& m) { return m.twist.value_or(std::sqrt(m.bending * weft_bending_of(m))); }
 
 /// The folds of the pieces for which `has(number, material)` holds.
 template<class Has>
-std::vector<HingeStencil> folds_where(const Cloth& cloth, Has&& has) {
-  const auto stiffness = [&](auto&& value) {
-    return per_piece(cloth, [&](std::size_t k, const Material& m) {
-      return has(k, m) ? std::optional<double>(value(m)) : std::nullopt;
-    });
-  };
-  return folds_of(cloth, stiffness([](const Material& m) { return m.bending; }),
-                  stiffness([](const Material& m) { return m.bending_weft.value_or(m.bending); }));
+Folds folds_where(const Cloth& cloth, Has&& has) {
+  return folds_of(
+      cloth, per_piece<Rigidity>(cloth, [&](std::size_t k, const Material& m) {
+        return has(k, m) ? std::optional(Rigidity{m.bending, weft_bending_of(m), twist_of(m)}) : std::nullopt;
+      }));
 }
 
 /// Whether the model of piece `k` can do what its material asks of it.
@@ -131,6 +134,15 @@ void add_bending(const Cloth& cloth, const Pattern& pattern, const Case& input, 
       forces.push_back(std::make_unique<YarnBending>(cloth, pattern, which, stiffness, damping_of(cloth)));
 }
 
+/// That of quads; triangles have it in their folds.
+void add_twist(const Cloth& cloth, const Pattern& pattern, Forces& forces) {
+  const auto stiffness = per_piece(cloth, [&](std::size_t k, const Material& m) -> std::optional<double> {
+    return has_cells_of(cloth, k, 4) && twist_of(m) > 0 ? std::optional(twist_of(m)) : std::nullopt;
+  });
+  if (stiffness.any())
+    forces.push_back(std::make_unique<Twist>(cloth, pattern, stiffness, damping_of(cloth)));
+}
+
 void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
   const auto stiffness = [&](config::ShearModel model) {
     return per_piece(cloth, [&](std::size_t, const Material& m) {
@@ -184,6 +196,7 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   // What is made of the weight, as stretch_stiffness, is the same while the cloth is sewn.
   forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? input.sewing->gravity : input.gravity));
   add_bending(cloth, pattern, input, forces);
+  add_twist(cloth, pattern, forces);
   add_shear(cloth, pattern, input, forces);
   add_stretch(cloth, pattern, input, forces);
   if (input.inextensibility.method == config::InextensibilityMethod::springs)

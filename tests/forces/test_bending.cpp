@@ -1,6 +1,7 @@
 // The bending models: what they share, and what each is.
 #include "src/forces/angle_bending.hpp"
 #include "src/forces/isometric_bending.hpp"
+#include "src/forces/twist.hpp"
 #include "tests/forces/differences.hpp"
 
 #include <Eigen/Geometry>
@@ -10,8 +11,8 @@ using namespace taut::test;
 
 namespace {
 
-std::vector<HingeStencil> folds(const Bed& b) {
-  return folds_of(b.cloth, material.bending, 3 * material.bending);
+Folds folds(const Bed& b) {
+  return folds_of(b.cloth, Rigidity{material.bending, 3 * material.bending, 2 * material.bending});
 }
 
 std::unique_ptr<Force> isometric(const Bed& b) {
@@ -30,6 +31,13 @@ std::unique_ptr<Force> angle(const Bed& b) {
   return std::make_unique<AngleBending>(b.cloth, folds(b), RestAngle::flat, 0.0);
 }
 
+std::unique_ptr<Force> twist(const Bed& b) {
+  return std::make_unique<Twist>(b.cloth, b.pattern, material.bending, 0.0);
+}
+std::unique_ptr<Force> damped_twist(const Bed& b) {
+  return std::make_unique<Twist>(b.cloth, b.pattern, material.bending, beta);
+}
+
 class Bending : public testing::Test {
 protected:
   const Bed mixed_{serial(mixed_mesh)}, triangles_{serial(triangle_mesh)};
@@ -42,18 +50,27 @@ std::array<Vec3, 4> random_hinge(unsigned seed) {
           Vec3(0.6, -1, seed % 2 ? 0.7 : -1.5) + noise[3]};
 }
 
-/// The rows d theta / dx of all folds.
+/// All rows d z / dx of which the energy of angles is made: those of folds alone and those of triangles.
 Dense angle_gradients(const Bed& bed, const WholeState& whole) {
   const DistributedMesh& mesh = bed.cloth.mesh;
-  const auto all = folds(bed);
+  const Folds all = folds(bed);
   const State state = bed.at(whole);
-  Dense rows = Dense::Zero(Global(all.size()), 3 * mesh.vertices.total);
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const auto gradient = spread(all[k], dihedral(all[k].corners(state.positions)).gradient);
+  Dense rows = Dense::Zero(Global(all.hinges.size() + 3 * all.triangles.size()), 3 * mesh.vertices.total);
+  const auto add = [&](Global row, const HingeStencil& f, double weight) {
+    const auto gradient = spread(f, dihedral(f.corners(state.positions)).gradient);
     for (int i = 0; i < 6; ++i)
-      rows.block<1, 3>(Global(k), 3 * mesh.vertices.original[all[k].vertices[i]]) +=
-          std::sqrt(all[k].stiffness) * gradient[i].transpose();
-  }
+      rows.block<1, 3>(row, 3 * mesh.vertices.original[f.vertices[i]]) += weight * gradient[i].transpose();
+  };
+  Global row = 0;
+  for (const HingeStencil& f : all.hinges) add(row++, f, std::sqrt(f.stiffness));
+  for (const TriangleStencil& t : all.triangles)
+    for (const auto& weights : t.rows) {
+      for (int k = 0; k < 3 && t.folds[k] >= 0; ++k) {
+        const HingeStencil& f = all.hinges[t.folds[k]];
+        add(row, f, weights[k] * f.length() / f.area);
+      }
+      ++row;
+    }
   return rows;
 }
 
@@ -90,6 +107,7 @@ TEST(Dihedral, OfACollapsedTriangleIsNone) {
 TEST_F(Bending, ForcesAreGradientsOfEnergies) {
   for (const Bed* bed : {&mixed_, &triangles_})
     for (const MakeForce make : {isometric, discrete_shells, angle}) expect_force_is_gradient(*bed, make);
+  expect_force_is_gradient(mixed_, twist);
 }
 
 TEST_F(Bending, ForcesDoNotDependOnThePartition) {
@@ -97,14 +115,17 @@ TEST_F(Bending, ForcesDoNotDependOnThePartition) {
     expect_same_on_any_partition(mixed_mesh, mixed_, make);
     expect_same_on_any_partition(triangle_mesh, triangles_, make);
   }
+  expect_same_on_any_partition(mixed_mesh, mixed_, damped_twist);
 }
 
-TEST_F(Bending, StiffnessOfTheIsometricModelIsTheHessian) {
-  for (const Bed* bed : {&mixed_, &triangles_}) {
-    const WholeState state = random_state(*bed, 0);
-    EXPECT_LT(relative_error(step_of(*bed, isometric, state, 1.0).matrix, hessian_of(*bed, isometric, state)),
+TEST_F(Bending, StiffnessOfQuadraticFormsIsTheHessian) {
+  const auto expect_hessian = [](const Bed& bed, MakeForce make) {
+    const WholeState state = random_state(bed, 0);
+    EXPECT_LT(relative_error(step_of(bed, make, state, 1.0).matrix, hessian_of(bed, make, state)),
               difference_tolerance);
-  }
+  };
+  for (const Bed* bed : {&mixed_, &triangles_}) expect_hessian(*bed, isometric);
+  expect_hessian(mixed_, twist);
 }
 
 // k d d^T: the whole Hessian where no edge is bent, and nothing but that elsewhere.
@@ -126,12 +147,15 @@ TEST_F(Bending, StiffnessOfAnglesIsTheHessianWithoutItsSecondTerm) {
 
 TEST_F(Bending, DampingIsProportionalToTheStiffness) {
   constexpr double h = 0.013;
-  const WholeState state = random_state(triangles_, 0);
+  const WholeState state = random_state(triangles_, 0), state_of_mixed = random_state(mixed_, 0);
   for (const auto& [damped, bare] :
        {std::pair<MakeForce, MakeForce>{damped_isometric, isometric}, {damped_shells, discrete_shells}})
     EXPECT_LT(relative_error(step_of(triangles_, damped, state, h).matrix,
                              (h * h + h * beta) * step_of(triangles_, bare, state, 1.0).matrix),
               10 * round_off);
+  EXPECT_LT(relative_error(step_of(mixed_, damped_twist, state_of_mixed, h).matrix,
+                           (h * h + h * beta) * step_of(mixed_, twist, state_of_mixed, 1.0).matrix),
+            10 * round_off);
 }
 
 TEST_F(Bending, RestShapeOfDiscreteShellsIsAtRest) {
@@ -176,18 +200,18 @@ MeshSlab equilateral(MPI_Comm comm, int n) {
   return slab_of_whole(comm, points, cells);
 }
 
-/// The energy density over B/2 kappa^2 of an endless sheet: with E(n) = a n^2 - b n, border effects b n drop
-/// out of E(2n) - 2 E(n) = 2 a n^2.
+/// The energy density over B/2 kappa^2 of an endless sheet: with E(n) = a n^2 + b n + c, borders and corners
+/// drop out of E(3n) - 2 E(2n) + E(n) = 2 a n^2.
 double rigidity(const std::function<MeshSlab(MPI_Comm, int)>& make_mesh, double cell_area,
                 const std::function<std::unique_ptr<Force>(const Bed&)>& make, double axis) {
   constexpr double curvature = 1e-3;
-  constexpr int n = 8;
-  std::array<double, 2> energy;
-  for (int k = 0; k < 2; ++k) {
+  constexpr int n = 5;
+  std::array<double, 3> energy;
+  for (int k = 0; k < 3; ++k) {
     const Bed bed(serial([&](MPI_Comm comm) { return make_mesh(comm, (k + 1) * n); }));
     energy[k] = make(bed)->energy(bed.at(on_cylinder(bed, curvature, axis)));
   }
-  return (energy[1] - 2 * energy[0]) / (2 * n * n * cell_area) / (0.5 * curvature * curvature);
+  return (energy[2] - 2 * energy[1] + energy[0]) / (2 * n * n * cell_area) / (0.5 * curvature * curvature);
 }
 
 MeshSlab square_grid(MPI_Comm comm, int n, GridCells cells) {
@@ -197,7 +221,7 @@ MeshSlab square_grid(MPI_Comm comm, int n, GridCells cells) {
 using Model = std::function<std::unique_ptr<Force>(const Bed&)>;
 Model with(double warp, double weft, int which) {
   return [=](const Bed& b) -> std::unique_ptr<Force> {
-    const auto all = folds_of(b.cloth, warp, weft);
+    const Folds all = folds_of(b.cloth, Rigidity{warp, weft, std::sqrt(warp * weft)});
     if (which == 0) return std::make_unique<IsometricBending>(b.cloth, b.pattern, all, 0.0);
     return std::make_unique<AngleBending>(b.cloth, all,
                                           which == 1 ? RestAngle::of_rest_shape : RestAngle::flat, 0.0);
@@ -207,17 +231,16 @@ Model with(double warp, double weft, int which) {
 } // namespace
 
 // Whatever the model and the mesh, a sheet on a cylinder along warp or weft has the energy B/2 kappa^2 per
-// area; on equilateral triangles in every direction. Quads do not feel twist: at 45 degrees it is half. A
-// grid cut along one diagonal is three times too stiff when that diagonal is rolled up, one cut along both in
-// turn one and a half times.
+// area; on triangles in every direction, but for an eighth where squares are cut in turn. The folds of quads
+// do not feel twist: at 45 degrees it is half.
 TEST(Cylinder, HasTheSameEnergyForEveryModelAndMesh) {
   constexpr double b = 0.7, diagonal = M_PI / 4;
   for (const int which : {0, 1, 2}) {
     const Model model = with(b, b, which);
     for (const double axis : {0.0, 0.3, diagonal, M_PI / 2})
       EXPECT_NEAR(rigidity(equilateral, std::sqrt(0.75), model, axis) / b, 1, 1e-4);
-    for (const auto& [cells, askew] : {std::pair{GridCells::quads, 0.5}, std::pair{GridCells::triangles, 3.0},
-                                       std::pair{GridCells::alternating_triangles, 1.5}}) {
+    for (const auto& [cells, askew] : {std::pair{GridCells::quads, 0.5}, std::pair{GridCells::triangles, 1.0},
+                                       std::pair{GridCells::alternating_triangles, 1.125}}) {
       const auto mesh = [cells = cells](MPI_Comm comm, int n) { return square_grid(comm, n, cells); };
       EXPECT_NEAR(rigidity(mesh, 1, model, 0) / b, 1, 1e-4);
       EXPECT_NEAR(rigidity(mesh, 1, model, M_PI / 2) / b, 1, 1e-4);
@@ -237,5 +260,110 @@ TEST(Cylinder, WarpAndWeftBendByTheirOwnStiffness) {
       const auto mesh = [cells](MPI_Comm comm, int n) { return square_grid(comm, n, cells); };
       EXPECT_NEAR(rigidity(mesh, 1, with(2, 5, which), 0), 2, 1e-3);        // axis along y: warp bends
       EXPECT_NEAR(rigidity(mesh, 1, with(2, 5, which), M_PI / 2), 5, 1e-3); // axis along x: weft bends
+    }
+}
+
+// A plate: what is twisted by s has the energy T s^2 per area, what is bent along warp or weft none, and at
+// rest a trapezium has none either, however it lies.
+TEST(TwistOfAQuad, IsThatOfAPlate) {
+  const auto quads = [](MPI_Comm comm, int n) { return square_grid(comm, n, GridCells::quads); };
+  const Bed bed(serial([&](MPI_Comm comm) { return quads(comm, 4); }));
+  const auto energy_at = [&](const std::function<double(double, double)>& height) {
+    WholeState state = random_state(bed, 0);
+    for (Local i = 0; i < bed.cloth.mesh.vertices.owned; ++i) {
+      const Vec3& x = bed.cloth.mesh.rest_positions[i];
+      state.positions[bed.cloth.mesh.vertices.original[i]] = Vec3(x[0], x[1], height(x[0], x[1]));
+    }
+    return Twist(bed.cloth, bed.pattern, 0.7, 0.0).energy(bed.at(state));
+  };
+  EXPECT_NEAR(energy_at([](double x, double y) { return 0.01 * x * y; }), 16 * 0.7 * 1e-4, 1e-12);
+  EXPECT_NEAR(energy_at([](double x, double y) { return 0.01 * (x * x - y * y) + 0.3 * x; }), 0, 1e-18);
+
+  const std::array<Vec3, 4> trapezium{Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0), Vec3(1, 1.2, 0)};
+  const auto c = twist_weights(trapezium);
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) sum += c[k] * trapezium[k];
+  EXPECT_LT(sum.norm(), 1e-15);
+  EXPECT_NEAR(c[0] + c[1] + c[2] + c[3], 0, 1e-15);
+}
+
+// Yarns and twist together make a sheet whose rigidity is the same in every direction.
+TEST(Cylinder, OfYarnsWithTwistHasTheSameEnergyInAllDirections) {
+  const auto quads = [](MPI_Comm comm, int n) { return square_grid(comm, n, GridCells::quads); };
+  for (const double axis : {0.0, 0.3, M_PI / 4, M_PI / 2}) {
+    double sum = 0;
+    for (const Model& model : {Model([](const Bed& bed) -> std::unique_ptr<Force> {
+                                 return std::make_unique<YarnBending>(bed.cloth, bed.pattern, Threads::all,
+                                                                      1.0, 0.0);
+                               }),
+                               Model([](const Bed& bed) -> std::unique_ptr<Force> {
+                                 return std::make_unique<Twist>(bed.cloth, bed.pattern, 1.0, 0.0);
+                               })})
+      sum += rigidity(quads, 1, model, axis);
+    EXPECT_NEAR(sum, 1, 1e-4);
+  }
+}
+
+namespace {
+
+/// A flat sheet of triangles, each two of them mirror images, askew to warp and weft by `turn`; the texture
+/// shows it from behind if `mirrored`.
+MeshSlab askew(MPI_Comm comm, double turn, bool mirrored) {
+  const MeshSlab grid = make_grid(self, {1.0, 1.0}, {7, 7}, GridCells::triangles);
+  std::vector<Vec3> points = grid.rest_positions;
+  for (Vec3& x : points) x = Vec3(1.2 * x[0] + 0.4 * x[1], 0.8 * x[1] - 0.1 * x[0], 0);
+  MeshSlab mesh = slab_of_whole(comm, points, grid.cell);
+  const Eigen::Rotation2Dd rotation(turn);
+  for (const Cell& c : mesh.cell) {
+    Corners2& corners = mesh.texture.emplace_back();
+    for (int k = 0; k < 4; ++k) {
+      corners[k] = rotation * Vec2(points[c.vertices[k < 3 ? k : 0]].head<2>());
+      if (mirrored) corners[k][0] = -corners[k][0];
+    }
+  }
+  return mesh;
+}
+
+/// The energy of a triangle whose z are those of the function x H x / 2 of its rest shape.
+double energy_of_quadratic(const TriangleStencil& t, const Folds& folds, const Eigen::Matrix2d& hessian) {
+  double energy = 0;
+  for (const auto& row : t.rows) {
+    double sum = 0;
+    for (int side = 0; side < 3; ++side) {
+      const HingeStencil& f = folds.hinges[t.folds[side]];
+      const auto weights = isometric_row(f.rest);
+      for (int c = 0; c < 4; ++c) {
+        const Vec2 x = f.rest[c].head<2>();
+        sum += row[side] / f.area * weights[c] * 0.5 * x.dot(hessian * x);
+      }
+    }
+    energy += 0.5 * sum * sum;
+  }
+  return energy;
+}
+
+} // namespace
+
+// The patch test, in the axes of warp and weft, whichever way a texture shows them.
+TEST(TriangleFolds, KnowTheEnergyOfAnOrthotropicPlate) {
+  const Eigen::Matrix2d hessian = (Eigen::Matrix2d() << 0.7, -0.4, -0.4, 1.1).finished();
+  for (const double turn : {0.0, 0.5})
+    for (const bool mirrored : {false, true}) {
+      const Bed bed(serial([&](MPI_Comm comm) { return askew(comm, turn, mirrored); }));
+      const Folds folds = folds_of(bed.cloth, Rigidity{2, 5, 3});
+      const Eigen::Matrix2d axes = Eigen::Rotation2Dd(turn).toRotationMatrix(),
+                            k = axes * hessian * axes.transpose();
+      const double density =
+          0.5 * (2 * k(0, 0) * k(0, 0) + 5 * k(1, 1) * k(1, 1) + 2 * 3 * k(0, 1) * k(0, 1));
+      int within = 0;
+      for (const TriangleStencil& t : folds.triangles) {
+        if (t.folds[2] < 0) continue;
+        const auto& x = bed.cloth.mesh.rest_positions;
+        const auto& v = t.vertices;
+        const double area = 0.5 * (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]).norm();
+        EXPECT_NEAR(energy_of_quadratic(t, folds, hessian) / (area * density), 1, 1e-9);
+        ++within;
+      }
+      EXPECT_EQ(within, 50); // of 72: 24 sides lie at the border, two of them at one triangle in two corners
     }
 }
