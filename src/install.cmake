@@ -47,5 +47,6 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/headers/ DESTINATION ${CMAKE_INSTALL_INC
 # The scripts that serve runs, with their Python package, which finds the program beside it.
 set(scripts ${CMAKE_INSTALL_DATADIR}/taut/scripts)
 install(PROGRAMS scripts/plot scripts/render scripts/with-screen scripts/slurm.sh DESTINATION ${scripts})
-install(FILES scripts/render.py scripts/debian_python.py scripts/packages.sh scripts/pyproject.toml DESTINATION ${scripts})
+install(FILES scripts/render.py scripts/debian_python.py scripts/packages.sh scripts/pyproject.toml scripts/setup.cfg
+  DESTINATION ${scripts})
 install(DIRECTORY scripts/taut scripts/rendering DESTINATION ${scripts} PATTERN __pycache__ EXCLUDE)
