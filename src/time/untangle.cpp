@@ -50,7 +50,8 @@ Freedom freedom_at_start(const Simulation& simulation, double dt) {
 
 } // namespace
 
-Untangled untangle(const Simulation& simulation, const Case& input) {
+Untangled untangle(const Simulation& simulation, const Case& input,
+                   const std::function<void(const Untangled&)>& after_round) {
   const Cloth& cloth = simulation.cloth();
   const Obstacles& obstacles = simulation.obstacles();
   Untangled result{.state = simulation.state()};
@@ -69,7 +70,7 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   };
   measure();
   if (result.left == 0) return Untangled{.state = simulation.state()};
-  for (; !result.succeeded() && result.rounds < most_rounds; measure()) {
+  while (!result.succeeded() && result.rounds < most_rounds) {
     if (result.left > 0) {
       const std::vector<Vec3> moves = untangler.find(x, bodies);
       for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
@@ -78,6 +79,8 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
     }
     edges.keep(x);
     ++result.rounds;
+    measure();
+    if (after_round) after_round(result);
   }
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
     result.farthest = std::max(result.farthest, (x[i] - simulation.state().positions[i]).norm());

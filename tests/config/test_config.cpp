@@ -541,7 +541,7 @@ TEST(ConfigError, MethodsThatDoNotGoWithOtherKeys) {
               word == "fast_projection" || word == "newton")
         << word;
   EXPECT_THAT(error_after_cloth(plane + "time: {integrator: bdf2}\n"),
-              testing::HasSubstr("integrator bdf2 does not go with contact"));
+              testing::HasSubstr("integrator bdf2 does not work with contact"));
 }
 
 TEST(ConfigOverride, SetsValues) {
