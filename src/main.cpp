@@ -1,4 +1,5 @@
 #include "src/command/command.hpp"
+#include "src/config/fabrics.hpp"
 #include "src/linear/session.hpp"
 
 #include <CLI/CLI.hpp>
@@ -43,6 +44,7 @@ constexpr std::array examples{
     Example{"export",
             "taut export out/shirt --to shirt.pc2 --up y       the frames for Blender, with shirt.obj"},
     Example{"export", "taut export out/shirt --to last.usda --frame 75   one frame as USD"},
+    Example{"fabrics", "taut fabrics                                      the fabrics that cases may name"},
     Example{"schema", "taut schema                                       all keys of a case, as JSON Schema"},
     Example{"schema", "taut schema --table                               the same as a table"}};
 
@@ -101,6 +103,8 @@ public:
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
     export_ = app_.add_subcommand("export", "Write the frames of a run as other programs read them");
+    fabrics_ =
+        app_.add_subcommand("fabrics", "Print the named fabrics: values, drape and where they are from");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
     check_
         ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
@@ -157,6 +161,7 @@ public:
       return code == 0 ? success : input_error;
     }
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
+    if (*fabrics_) return print(comm, config::fabric_table());
     if (*info_) return info(comm, path_);
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     if (*export_) return export_frames(comm, {path_, out_, up_, unit_, frame_});
@@ -204,7 +209,7 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *schema_;
+  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *fabrics_, *schema_;
   std::string case_, out_, svg_, path_, from_, checkpoint_, json_, counters_, progress_ = "auto", up_ = "z",
                                                                               unit_ = "m";
   std::optional<Global> frame_;
