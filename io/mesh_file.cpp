@@ -158,10 +158,10 @@ std::vector<Vec3> read_positions(MPI_Comm comm, const fs::path& path, double sca
   return positions;
 }
 
-MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale) {
+MeshSlab read_mesh(MPI_Comm comm, const fs::path& path, double scale, Polygons polygons) {
   const std::string extension = path.extension().string();
   for (const char* surface : {".obj", ".ply", ".stl"})
-    if (extension == surface) return read_obj(comm, path, scale);
+    if (extension == surface) return read_obj(comm, path, scale, polygons);
   if (extension == ".h5") return read_mesh_h5(comm, path, scale);
   throw InputError(
       fmt::format("{}: the extension '{}' is not known; give a mesh file .obj, .ply, .stl or .h5",

@@ -1,4 +1,5 @@
 #pragma once
+#include "io/obj_parser.hpp"
 #include "partition/mesh_slab.hpp"
 
 #include <mpi.h>
@@ -9,8 +10,9 @@
 namespace taut {
 
 /// The mesh in `path`, read by what its extension says (.obj, .ply, .stl, .h5); coordinates are multiplied by
-/// `scale` (m per unit of the file).
-MeshSlab read_mesh(MPI_Comm comm, const std::filesystem::path& path, double scale);
+/// `scale` (m per unit of the file). `polygons` are faces with more than 4 corners, which OBJ may have.
+MeshSlab read_mesh(MPI_Comm comm, const std::filesystem::path& path, double scale,
+                   Polygons polygons = Polygons::refuse);
 
 /// The mesh in an HDF5 file: `/rest_positions` (n, 3) numbers; `/faces` (k) integers, the vertices of one
 /// cell after the other, counted from 0; `/face_offsets` (f + 1) integers: cell c has the vertices at

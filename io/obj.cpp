@@ -30,19 +30,32 @@ std::string read_text(const fs::path& path) {
   return text;
 }
 
-ObjFile parse(const std::string& text, const fs::path& path) {
+ObjFile parse(const std::string& text, const fs::path& path, Polygons polygons) {
   const fs::path extension = path.extension();
-  const auto parser = extension == ".ply" ? parse_ply : extension == ".stl" ? parse_stl : parse_obj;
-  return parser(text, path.string());
+  if (extension == ".ply") return parse_ply(text, path.string());
+  if (extension == ".stl") return parse_stl(text, path.string());
+  return parse_obj(text, path.string(), polygons);
+}
+
+void warn_of(const Unused& unused, const fs::path& path) {
+  if (unused.vertices > 0)
+    fmt::print(stderr,
+               "taut: warning: {}{}: {} {} to no face and no line, this the first, and {} left out; vertices "
+               "are numbered without\n",
+               path.string(), unused.first_line > 0 ? fmt::format(":{}", unused.first_line) : "",
+               unused.vertices, unused.vertices == 1 ? "vertex belongs" : "vertices belong",
+               unused.vertices == 1 ? "is" : "are");
 }
 
 /// The parsed file, on rank 0; empty on the others. `check` may refuse it.
 template<class Check>
-ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Check&& check) {
+ObjFile parse_on_rank_0(MPI_Comm comm, const fs::path& path, double scale, Polygons polygons, Check&& check) {
   ObjFile file;
   on_rank_0(comm, [&] {
-    file = parse(read_text(path), path);
+    file = parse(read_text(path), path, polygons);
+    const Unused unused = drop_unused(file);
     check(file);
+    warn_of(unused, path);
   });
   for (Vec3& position : file.positions) position *= scale;
   return file;
@@ -56,8 +69,8 @@ void warn_of(const ObjFile::Unknown& unknown, const fs::path& path) {
 
 } // namespace
 
-MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
-  const ObjFile file = parse_on_rank_0(comm, path, scale, [&](const ObjFile& parsed) {
+MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale, Polygons polygons) {
+  const ObjFile file = parse_on_rank_0(comm, path, scale, polygons, [&](const ObjFile& parsed) {
     if (parsed.positions.empty())
       throw InputError(fmt::format("{}: no vertices; write one 'v x y z' a line", path.string()));
     if (parsed.cells.empty())
@@ -82,7 +95,7 @@ MeshSlab read_obj(MPI_Comm comm, const fs::path& path, double scale) {
 }
 
 std::vector<Vec3> read_obj_positions(MPI_Comm comm, const fs::path& path, double scale, Slab expected) {
-  const ObjFile file = parse_on_rank_0(comm, path, scale, [&](const ObjFile& parsed) {
+  const ObjFile file = parse_on_rank_0(comm, path, scale, Polygons::triangulate, [&](const ObjFile& parsed) {
     if (static_cast<Global>(parsed.positions.size()) != expected.total)
       throw InputError(
           fmt::format("{}: it has {} vertices, the mesh {}; give the vertices of the mesh, in the same "

@@ -1,4 +1,5 @@
 #pragma once
+#include "io/obj_parser.hpp"
 #include "partition/mesh_slab.hpp"
 
 #include <mpi.h>
@@ -13,9 +14,10 @@
 namespace taut {
 
 /// The mesh in the file `path`, its coordinates multiplied by `scale` (m per unit of the file): OBJ, or by
-/// the extension .ply (ply.hpp) or .stl (stl.hpp). Rank 0 warns on stderr of lines that are not known and so
-/// left out.
-MeshSlab read_obj(MPI_Comm comm, const std::filesystem::path& path, double scale);
+/// the extension .ply (ply.hpp) or .stl (stl.hpp). Rank 0 warns on stderr of lines that are not known, and of
+/// vertices of no face and no line; both are left out, and vertices are numbered without them.
+MeshSlab read_obj(MPI_Comm comm, const std::filesystem::path& path, double scale,
+                  Polygons polygons = Polygons::refuse);
 
 /// Only the places of the vertices, for a start shape: rank's slab `expected` of as many vertices as
 /// `expected.total`, m. Throws also if the file holds another number of vertices. Elements are parsed, then

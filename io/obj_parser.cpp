@@ -27,7 +27,8 @@ std::string_view without_mark(std::string_view text) {
 
 class Parser {
 public:
-  Parser(std::string_view text, const std::string& name) : scanner_(without_mark(text)), name_(name) {}
+  Parser(std::string_view text, const std::string& name, Polygons polygons)
+      : scanner_(without_mark(text)), name_(name), polygons_(polygons) {}
 
   ObjFile parse() {
     while (scanner_.next_line()) {
@@ -135,15 +136,19 @@ private:
   }
 
   void face() {
-    std::array<Global, 4> vertices, texture{-1, -1, -1, -1};
-    std::size_t count = 0;
+    std::vector<Global> vertices, texture;
     for (auto word = scanner_.next_word(); !word.empty(); word = scanner_.next_word()) {
-      if (count == 4) fail("a face has more than 4 vertices; split it into quads and triangles");
-      texture[count] = texture_number(word);
-      vertices[count++] = vertex_number(word);
+      texture.push_back(texture_number(word));
+      vertices.push_back(vertex_number(word));
     }
+    const std::size_t count = vertices.size();
     if (count < 3) fail("a face has fewer than 3 vertices; give it 3 or 4, or write a line element 'l a b'");
-    add_cell(std::span(vertices).first(count), texture);
+    if (count > 4 && polygons_ == Polygons::refuse)
+      fail("a face has more than 4 vertices; split it into quads and triangles");
+    if (count == 4) return add_cell(vertices, {texture[0], texture[1], texture[2], texture[3]});
+    for (std::size_t k = 2; k < count; ++k)
+      add_cell(std::array{vertices[0], vertices[k - 1], vertices[k]},
+               {texture[0], texture[k - 1], texture[k], -1});
   }
 
   void polyline() {
@@ -195,6 +200,7 @@ private:
 
   TextScanner scanner_;
   const std::string& name_;
+  Polygons polygons_;
   ObjFile file_;
   std::vector<Vec2> texture_points_;
   std::vector<std::array<Global, 4>> texture_numbers_; ///< of the corners of each cell, -1 for none
@@ -202,6 +208,34 @@ private:
 
 } // namespace
 
-ObjFile parse_obj(std::string_view text, const std::string& name) { return Parser(text, name).parse(); }
+ObjFile parse_obj(std::string_view text, const std::string& name, Polygons polygons) {
+  return Parser(text, name, polygons).parse();
+}
+
+Unused drop_unused(ObjFile& file) {
+  Unused unused;
+  if (file.cells.empty()) return unused;
+  constexpr Global none = -1;
+  std::vector<Global> number(file.positions.size(), none);
+  for (const Cell& cell : file.cells)
+    for (int k = 0; k < cell.size(); ++k) number[cell.vertices[k]] = 0;
+  Global kept = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    const Global line = file.vertex_lines.empty() ? 0 : file.vertex_lines[v];
+    if (number[v] == none) {
+      if (unused.vertices++ == 0) unused.first_line = line;
+      continue;
+    }
+    number[v] = kept;
+    file.positions[kept] = file.positions[v];
+    if (!file.vertex_lines.empty()) file.vertex_lines[kept] = line;
+    ++kept;
+  }
+  file.positions.resize(kept);
+  if (!file.vertex_lines.empty()) file.vertex_lines.resize(kept);
+  for (Cell& cell : file.cells)
+    for (int k = 0, corners = cell.size(); k < corners; ++k) cell.vertices[k] = number[cell.vertices[k]];
+  return unused;
+}
 
 } // namespace taut

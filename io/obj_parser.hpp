@@ -8,6 +8,9 @@
 
 namespace taut {
 
+/// What becomes of faces with more than 4 corners: an error, or triangles around the first corner.
+enum class Polygons { refuse, triangulate };
+
 /// A whole Wavefront OBJ file in the memory of one rank.
 struct ObjFile {
   std::vector<Vec3> positions;      ///< as in the file, without scale
@@ -23,9 +26,16 @@ struct ObjFile {
   } unknown;
 };
 
-/// Understands `v`, `vt`, `f` with 3 or 4 vertices (a, a/b, a//c, a/b/c, relative numbers) and `l`; leaves
-/// out `vn g o s usemtl mtllib`, and counts lines that begin with other words. Not collective. Throws
-/// `InputError` "`name`:line: what is wrong; cure".
-ObjFile parse_obj(std::string_view text, const std::string& name);
+/// Understands `v`, `vt`, `f` with 3 or 4 vertices, or more as `polygons` says (a, a/b, a//c, a/b/c, relative
+/// numbers) and `l`; leaves out `vn g o s usemtl mtllib`, and counts lines that begin with other words. Not
+/// collective. Throws `InputError` "`name`:line: what is wrong; cure".
+ObjFile parse_obj(std::string_view text, const std::string& name, Polygons polygons = Polygons::refuse);
+
+/// Takes out vertices that no cell has; cells then name the others by their new numbers. Files without cells
+/// keep all. How many there were, and the line of the first.
+struct Unused {
+  Global vertices = 0, first_line = 0;
+};
+Unused drop_unused(ObjFile& file);
 
 } // namespace taut

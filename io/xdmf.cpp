@@ -74,7 +74,8 @@ void put_frame(Out out, const XdmfDescription& d, const XdmfFrame& frame) {
 )",
                  frame.time, topology_type(d.shape), d.cells,
                  data_item(XdmfNumber::int64, cells_dimensions(d), d.mesh_file, d.cells_dataset),
-                 data_item(XdmfNumber::float64, fmt::format("{} 3", d.points), frame.file, d.positions));
+                 data_item(XdmfNumber::float64, fmt::format("{} 3", d.points),
+                           d.positions_home == XdmfHome::mesh ? d.mesh_file : frame.file, d.positions));
   for (const XdmfField& field : d.fields) put_field(out, d, frame, field);
   fmt::format_to(out, "      </Grid>\n");
 }

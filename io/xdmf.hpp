@@ -33,7 +33,8 @@ struct XdmfFrame {
 /// Names of files and datasets must be plain: no characters that mean something in XML.
 struct XdmfDescription {
   std::string mesh_file = "mesh.h5";    ///< relative to the XDMF file
-  std::string positions = "/positions"; ///< (points, 3), in the file of the frame
+  std::string positions = "/positions"; ///< (points, 3)
+  XdmfHome positions_home = XdmfHome::frame;
   Global points = 0;
 
   XdmfCells shape = XdmfCells::quads;

@@ -24,8 +24,7 @@ std::optional<std::string> zero_length(const MeshSlab& mesh, const Cell& cell,
     return fmt::format(
         "{}: vertex {} lies exactly on vertex {}{}, with which it shares an edge: the edge has zero "
         "length; merge the two vertices",
-        place(mesh, corners[b].line), number_in_file(mesh, cell.vertices[b]),
-        number_in_file(mesh, cell.vertices[a]),
+        place(mesh, corners[b].line), cell.vertices[b], cell.vertices[a],
         corners[a].line > 0 ? fmt::format(" (line {})", corners[a].line) : "");
   }
   return std::nullopt;
@@ -41,18 +40,13 @@ std::optional<std::string> no_area(const MeshSlab& mesh, std::size_t cell, std::
   return fmt::format(
       "{}: this face (number {}) has no area: its corners lie on one line, or its sides cross; give its "
       "corners in order around it",
-      place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[cell]),
-      number_in_file(mesh, mesh.cells.first + Global(cell)));
+      place(mesh, mesh.cell_lines.empty() ? 0 : mesh.cell_lines[cell]), mesh.cells.first + Global(cell));
 }
 
 } // namespace
 
 std::string place(const MeshSlab& mesh, Global line) {
   return line > 0 ? fmt::format("{}:{}", mesh.name, line) : mesh.name;
-}
-
-Global number_in_file(const MeshSlab& mesh, Global index) {
-  return mesh.vertex_lines.empty() && mesh.cell_lines.empty() ? index : index + 1;
 }
 
 void check_cells(MPI_Comm comm, const MeshSlab& mesh) {

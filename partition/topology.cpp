@@ -82,8 +82,7 @@ std::vector<CellSide> collect_sides(MPI_Comm comm, const MeshSlab& mesh) {
 std::optional<std::string> fault_of(const MeshSlab& mesh, std::span<const CellSide> sides) {
   if (sides.size() == 1) return std::nullopt;
   const CellSide &one = sides[0], &two = sides[1];
-  const auto edge = fmt::format("the edge between vertices {} and {}", number_in_file(mesh, one.low),
-                                number_in_file(mesh, one.high));
+  const auto edge = fmt::format("the edge between vertices {} and {}", one.low, one.high);
   const auto other = one.line > 0 ? fmt::format("line {}", one.line) : fmt::format("cell {}", one.cell);
   if (one.cell_size == 2 || two.cell_size == 2)
     return fmt::format("{}: {} is there twice (also {}); remove one of them", place(mesh, two.line), edge,
@@ -247,7 +246,7 @@ Topology find_topology(MPI_Comm comm, const MeshSlab& mesh, ConstrainedEdges con
     if (star.empty() && !fault)
       fault = fmt::format("{}: vertex {} belongs to no face and no line; remove it",
                           place(mesh, mesh.vertex_lines.empty() ? 0 : mesh.vertex_lines[v]),
-                          number_in_file(mesh, mesh.vertices.first + v));
+                          mesh.vertices.first + v);
     if (topology.triangles_only)
       append_straightest(star, std::span(directions).subspan(topology.star.back(), star.size()),
                          topology.triples);

@@ -2,7 +2,7 @@
 
 build_packages=(g++ cmake ninja-build pkg-config libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libptscotch-dev
   libhdf5-openmpi-dev zlib1g-dev libopenblas0-serial libeigen3-dev libboost-dev libembree-dev libcgal-dev libgeos-dev libyaml-cpp-dev libcli11-dev nlohmann-json3-dev libfmt-dev libgtest-dev libgmock-dev libbenchmark-dev)
-test_packages=(python3 python3-yaml python3-h5py python3-numpy python3-matplotlib)
+test_packages=(python3 python3-pip python3-setuptools python3-yaml python3-h5py python3-numpy python3-matplotlib)
 check_packages=(clang clang-format clang-tidy git python3 flake8 mypy)
 sanitize_packages=(clang libclang-rt-dev llvm valgrind)
 picture_packages=(python3-paraview paraview xvfb ffmpeg)

@@ -22,7 +22,9 @@
 set -euo pipefail
 
 [ $# -gt 0 ] || {
-  echo "usage: sbatch scripts/slurm.sh CASE [options of taut run]" >&2
+  echo "usage: sbatch [--nodes=N] scripts/slurm.sh CASE --out FOLDER [options of taut run]
+It needs sbatch and srun of Slurm, a folder that all nodes see, and build/taut in the folder where sbatch is called
+(TAUT names another program). A run that the folder holds already goes on." >&2
   exit 2
 }
 # module load ...                      # what the site calls its MPI, PETSc and HDF5: those Taut was built with
@@ -35,9 +37,18 @@ out=
 words=("$@")
 for ((k = 0; k < $#; ++k)); do
   [ "${words[k]}" != --out ] || out=${words[k + 1]:-}
+  [[ ${words[k]} != --out=* ]] || out=${words[k]#--out=}
 done
 [ -n "$out" ] || {
   echo "slurm.sh: give --out FOLDER, where the run goes and is found again" >&2
+  exit 2
+}
+[ -x "$taut" ] || {
+  echo "slurm.sh: $taut: no such program; build it with scripts/build, or name it in TAUT" >&2
+  exit 2
+}
+command -v "${launch[0]}" > /dev/null || {
+  echo "slurm.sh: ${launch[0]}: not found; this is a job for Slurm: sbatch scripts/slurm.sh ..." >&2
   exit 2
 }
 if [ -f "$out/case.yaml" ]; then

@@ -1,4 +1,5 @@
 #include "src/command/command.hpp"
+#include "src/config/fabrics.hpp"
 #include "src/linear/session.hpp"
 
 #include <CLI/CLI.hpp>
@@ -6,6 +7,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -15,25 +18,49 @@ namespace {
 using namespace taut;
 using namespace taut::command;
 
-constexpr const char* footer = R"(
-Examples:
-  taut run cases/drape/case.yaml                    one rank, results in out/drape
-  mpirun -n 8 taut run cases/drape/case.yaml --out out/fine --set 'cloth.grid.vertices=[281, 281]'
-  taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor
-  mpirun -n 3 taut resume out/fine                  go on from the last checkpoint, on any number of ranks
-  taut resume out/drape --set time.end=5            the same with other settings
-  taut check case.yaml                              validate a case without running it
-  taut check out/drape                              verify the checksums of what a run wrote
-  taut info out/drape                               what a run holds, in words
-  taut partition case.yaml --ranks 4096             how the cloth would be cut for so many ranks
-  taut mesh shirt.json --edge 5mm --out shirt.h5    mesh the panels of a sewing pattern; --svg FILE draws them
-  taut export out/shirt --to shirt.pc2 --up y       the frames for Blender and others: .pc2 with .obj, .obj, .ply, .usda
-  taut schema                                       all keys of a case file (JSON Schema; --table for a table)
+struct Example {
+  std::string_view command, line;
+};
 
+constexpr std::array examples{
+    Example{"run", "taut run cases/drape/case.yaml                    one rank, results in out/drape"},
+    Example{
+        "run",
+        "mpirun -n 8 taut run case.yaml --out out/fine     more ranks than cores: mpirun --oversubscribe"},
+    Example{"run",
+            "taut run case.yaml --set 'cloth.grid.vertices=[281, 281]' --set 'pins[0].vertices=[0, 280]'"},
+    Example{"run", "taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor"},
+    Example{"resume", "mpirun -n 3 taut resume out/fine                  go on from the last checkpoint"},
+    Example{"resume", "taut resume out/drape --set time.end=5            the same with other settings"},
+    Example{"check", "taut check case.yaml                              validate a case without running it"},
+    Example{"check",
+            "taut check out/drape                              verify the checksums of what a run wrote"},
+    Example{"info", "taut info out/drape                               what a run holds, in words"},
+    Example{"info", "taut info case.yaml                               what a case would simulate"},
+    Example{"partition", "taut partition case.yaml --ranks 4096             how the cloth would be cut"},
+    Example{"mesh",
+            "taut mesh shirt.json --edge 5mm --out shirt.h5    mesh a sewing pattern; --svg FILE draws it"},
+    Example{"mesh", "taut mesh shirt.json --edge 5mm --edge collar=2mm --out shirt.obj"},
+    Example{"export",
+            "taut export out/shirt --to shirt.pc2 --up y       the frames for Blender, with shirt.obj"},
+    Example{"export", "taut export out/shirt --to last.usda --frame 75   one frame as USD"},
+    Example{"fabrics", "taut fabrics                                      the fabrics that cases may name"},
+    Example{"schema", "taut schema                                       all keys of a case, as JSON Schema"},
+    Example{"schema", "taut schema --table                               the same as a table"}};
+
+constexpr std::string_view notes = R"(
 What stands behind -- are PETSc options: those of the velocity solve begin with -velocity_, those of the projection
 with -projection_. Units are SI; a value may name another, as in '10 ms' or '1 %'.
 Exit codes: 0 all accepted steps met the limits of the case; 1 a fault in the program; 2 a mistake in the case, mesh,
 options or output folder; 3 no acceptable step could be found; 4 stopped by SIGTERM, SIGINT or SIGUSR1, to be resumed.)";
+
+/// Of one command, or of all if none is named.
+std::string examples_of(std::string_view command) {
+  std::string text = "\nExamples:\n";
+  for (const Example& e : examples)
+    if (command.empty() || e.command == command) text += fmt::format("  {}\n", e.line);
+  return text;
+}
 
 /// The command line, cut at "--".
 struct Arguments {
@@ -67,7 +94,7 @@ public:
   CommandLine() : app_("Taut - cloth that does not stretch, on many ranks", "taut") {
     app_.require_subcommand(1);
     app_.set_version_flag("--version", std::string("taut ") + TAUT_VERSION);
-    app_.footer(footer);
+    app_.footer(examples_of("") + std::string(notes));
     run_ = app_.add_subcommand("run", "Simulate a case");
     resume_ = app_.add_subcommand("resume", "Go on with a run from its last checkpoint");
     check_ = app_.add_subcommand("check", "Validate a case, its mesh and options, and say what is wrong");
@@ -76,6 +103,8 @@ public:
         app_.add_subcommand("partition", "Cut the cloth of a case for a number of ranks, without running it");
     mesh_ = app_.add_subcommand("mesh", "Mesh the panels of a sewing pattern, for cases and to look at");
     export_ = app_.add_subcommand("export", "Write the frames of a run as other programs read them");
+    fabrics_ =
+        app_.add_subcommand("fabrics", "Print the named fabrics: values, drape and where they are from");
     schema_ = app_.add_subcommand("schema", "Print the JSON Schema of case files");
     check_
         ->add_option("case", case_, "The case file (YAML); or a folder with a run: verifies the files in it")
@@ -118,10 +147,13 @@ public:
     export_->add_option("--unit", unit_, "Of lengths there: m, cm or mm");
     export_->add_option("--frame", frame_, "Only this one");
     schema_->add_flag("--table", table_, "A Markdown table instead");
+    for (CLI::App* command : app_.get_subcommands(nullptr))
+      command->footer(examples_of(command->get_name()) + (command == run_ ? std::string(notes) : ""));
   }
 
   int execute(MPI_Comm comm, const Arguments& arguments) {
     check_command(arguments);
+    check_dashes(arguments);
     try {
       app_.parse(int(arguments.own.size()), arguments.own.data());
     } catch (const CLI::ParseError& e) {
@@ -129,6 +161,7 @@ public:
       return code == 0 ? success : input_error;
     }
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
+    if (*fabrics_) return print(comm, config::fabric_table());
     if (*info_) return info(comm, path_);
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     if (*export_) return export_frames(comm, {path_, out_, up_, unit_, frame_});
@@ -154,6 +187,16 @@ private:
                                  word));
   }
 
+  /// PETSc's own way to write options, before --.
+  static void check_dashes(const Arguments& arguments) {
+    for (const std::string word : arguments.own)
+      if (word.size() > 2 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])))
+        throw InputError(
+            fmt::format("{}: PETSc options stand behind --, as in: taut run case.yaml -- {}; those of "
+                        "taut begin with two dashes",
+                        word, word));
+  }
+
   CheckDepth depth() const { return thorough_ ? CheckDepth::thorough : CheckDepth::quick; }
 
   static bool is_folder(MPI_Comm comm, const std::string& path) {
@@ -166,7 +209,7 @@ private:
   }
 
   CLI::App app_;
-  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *schema_;
+  CLI::App *run_, *resume_, *check_, *info_, *partition_, *mesh_, *export_, *fabrics_, *schema_;
   std::string case_, out_, svg_, path_, from_, checkpoint_, json_, counters_, progress_ = "auto", up_ = "z",
                                                                               unit_ = "m";
   std::optional<Global> frame_;

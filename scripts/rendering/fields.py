@@ -29,22 +29,21 @@ def points_of(reader, time):
 
 
 class Field:
-    """A field by its name, on a source that has it at its "POINTS" or "CELLS"."""
+    """A field by its name, on a source that has it at its "POINTS" or "CELLS": the cloth, or its edges."""
 
     def __init__(self, cloth, folder, name, time):
         self.name = ALIASES.get(name, name)
         cloth.UpdatePipeline(time)
         for kind, data in (("POINTS", cloth.PointData), ("CELLS", cloth.CellData)):
             if self.name in data.keys():
-                self.source, self.kind = cloth, kind
+                self.source, self.kind, self.is_of_edges = cloth, kind, False
                 return
         edges = open_xdmf(folder, "edges.xdmf")
         edges.UpdatePipeline(time)
         if self.name not in edges.CellData.keys():
             known = sorted({*cloth.PointData.keys(), *cloth.CellData.keys(), *edges.CellData.keys()})
             sys.exit(f"render: there is no field {self.name}; known are {', '.join(known)}")
-        at_vertices = simple.CellDatatoPointData(Input=edges)
-        self.source, self.kind = simple.AppendAttributes(Input=[cloth, at_vertices]), "POINTS"
+        self.source, self.kind, self.is_of_edges = edges, "CELLS", True
 
     def values(self, time):
         """One number each: of a vector its length."""

@@ -112,7 +112,9 @@ class Scene:
         self.options, self.view = options, make_view(options)
         self.view.ViewTime = self.times[-1]
         field = Field(cloth, options.run_folder, options.color, self.times[-1]) if options.color else None
-        parts = show_cloth(self.view, field.source if field else cloth, options)
+        parts = show_cloth(self.view, cloth, options)
+        if field and field.is_of_edges:
+            parts = [show_lines(self.view, field.source)]
         show_obstacles(self.view, options)
         if field:
             colour(self.view, parts, field, self.times, options)

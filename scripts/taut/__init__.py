@@ -6,6 +6,6 @@
     write_case("windy.yaml", {**run.case, "air": {"wind": [0, 3, 0]}})
 """
 from taut.case import read_case, write_case
-from taut.run import Datasets, Frame, Run, RunError
+from taut.run import Datasets, Field, Frame, Run, RunError
 
-__all__ = ["Datasets", "Frame", "Run", "RunError", "read_case", "write_case"]
+__all__ = ["Datasets", "Field", "Frame", "Run", "RunError", "read_case", "write_case"]

@@ -1,17 +1,31 @@
 """How the program is started: on one rank as it is, on more by mpirun.
 
-The variable TAUT names another program than build/taut, TAUT_LAUNCH what stands before -n RANKS.
+The program is build/taut of the sources, or that of the installation which this is part of, or the taut of the PATH.
+The variable TAUT names another, TAUT_LAUNCH what stands before -n RANKS.
 """
 import argparse
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("TAUT", ROOT / "build/taut")).resolve()
+
+
+def find_program():
+    if "TAUT" in os.environ:
+        return Path(os.environ["TAUT"]).resolve()
+    built, installed = ROOT / "build/taut", ROOT.parents[1] / "bin/taut"
+    for path in (built, installed, shutil.which("taut")):
+        if path and os.access(path, os.X_OK):
+            return Path(path).resolve()
+    return built
+
+
+PROGRAM = find_program()
 LAUNCHER = shlex.split(os.environ.get("TAUT_LAUNCH",
                                       "mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"))
 

@@ -5,6 +5,7 @@ import math
 import zlib
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 import h5py
@@ -52,6 +53,15 @@ class Datasets:
         with self.open() as file:
             return dict(file.attrs)
 
+    @property
+    def fields(self):
+        """{name: Field} of all datasets; nothing is read."""
+        found = {}
+        with self.open() as file:
+            file.visititems(lambda name, item: found.update({name: Field(item.shape, UNITS.get(name, ""))})
+                            if isinstance(item, h5py.Dataset) else None)
+        return found
+
     def read_all(self):
         """{name: values}"""
         found = {}
@@ -59,6 +69,19 @@ class Datasets:
             file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset)
                             else None)
         return found
+
+
+# Of the datasets of frames and of mesh.h5; others are plain numbers.
+UNITS = {"positions": "m", "velocities": "m/s", "reactions": "N", "contact_forces": "N", "gaps": "m", "tension": "N",
+         "cells/tension_warp": "N", "cells/tension_weft": "N", "stress_warp": "N/m", "stress_weft": "N/m",
+         "rest_positions": "m", "constraints/rest_lengths": "m", "obstacles/positions": "m", "texture": "m",
+         "rest_shape": "m"}
+
+
+class Field(NamedTuple):
+    """What a dataset holds: how many rows and columns, and in which unit; an empty one is a plain number."""
+    shape: tuple
+    unit: str
 
 
 class Frame(Datasets):

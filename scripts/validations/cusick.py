@@ -5,21 +5,20 @@ import numpy as np
 
 from validations import cases, fabrics, strips
 from validations.cases import G
-from validations.checks import band, unjudged
+from validations.checks import Check, band, unjudged
 
 ABOUT = ("Cusick's drape test: a specimen of 30 cm over a disc of 18 cm, the named fabrics against the published "
          "bands of what they are called after.")
 KEYS = ["fabric", "spacing_m", "seed"]
 DISC, SPECIMEN = 0.09, 0.15  # radii, m [BS 5058, ISO 9073-9]
-PUBLISHED = {"silk": (20, 40), "cotton": (60, 76), "wool": (40, 70), "denim": (70, 90)}  # %
 PIXEL = 0.0005  # m
 
 
 def plan(quick):
     if quick:
-        return cases.points(KEYS, ("polycotton", 0.01, 0))
+        return cases.points(KEYS, ("wool", 0.01, 0))
     return cases.points(KEYS, *((name, 0.005, 0) for name in fabrics.NAMES),
-                        *(("denim", 0.005, seed) for seed in (1, 2)),
+                        *((name, 0.005, seed) for name in ("wool", "denim") for seed in (1, 2)),
                         *((name, 0.01, 0) for name in ("wool", "denim")))
 
 
@@ -56,7 +55,8 @@ def paint(dark, corners):
 
 
 def measure(laboratory, point):
-    """From flat, with bumps of up to 0.1 mm, until it hangs still."""
+    """From flat, with bumps of up to 0.1 mm, until it hangs still: by Newton's method, for under Fast Projection
+    equilibrium is no fixed point, and cloth comes to rest limper (wool at 31 in place of 53 %)."""
     flat, faces = round_specimen(point["spacing_m"])
     flat = np.c_[flat, np.zeros(len(flat))]
     radius = np.linalg.norm(flat, axis=1)
@@ -64,15 +64,19 @@ def measure(laboratory, point):
     case = {"name": f"{point['spacing_m']} {point['seed']}",
             "cloth": {"mesh": strips.write(laboratory.path("flat.obj"), flat, faces), "fabric": point["fabric"],
                       "start": {"shape": strips.write(laboratory.path("bumps.obj"), flat + np.outer(bumps, [0, 0, 1]))},
-                      "material": {"damping": {"mass": 8}}},
-            "pins": [{"vertices": np.flatnonzero(radius <= DISC).tolist()}], "time": cases.steps_of(3, 0.0025)}
+                      "material": {"damping": {"mass": 2}}},
+            "pins": [{"vertices": np.flatnonzero(radius <= DISC).tolist()}],
+            "inextensibility": {"method": "newton"}, "time": cases.steps_of(6, 0.01)}
     run = laboratory.whole_run(case)
     x = run.frames[-1].positions
     whole, disc = len(faces) * point["spacing_m"] ** 2, math.pi * DISC**2
     edge = x[radius > SPECIMEN - point["spacing_m"]]
     around = np.argsort(np.arctan2(edge[:, 1], edge[:, 0]))
     bending, density = fabrics.bending_and_density(laboratory, point["fabric"])
-    return {"drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc),
+    own, published = fabrics.drapes(laboratory.program)[point["fabric"]]
+    low, high = published or (math.nan, math.nan)
+    return {"told_percent": own, "low_percent": low, "high_percent": high,
+            "drape_percent": 100 * (shadow(x, faces) - disc) / (whole - disc),
             "nodes": nodes(np.linalg.norm(edge[around, :2], axis=1)),
             "bending_length_mm": 1000 * (bending / (density * G)) ** (1 / 3), "kinetic_J": run.steps["kinetic_J"][-1]}
 
@@ -90,22 +94,24 @@ def judge(rows):
     for row in rows:
         name = f"drape coefficient, {row['fabric']}, sides of {1000 * row['spacing_m']:g} mm, start {row['seed']:g}"
         seen = f"; {row['nodes']:g} folds; bending length {row['bending_length_mm']:.3g} mm"
-        if row["fabric"] in PUBLISHED:
-            reference = f"published band of real {row['fabric']}" + seen
-            checks.append(band(name, "%", *PUBLISHED[row["fabric"]], row["drape_percent"], reference))
-        else:
+        if math.isnan(row["low_percent"]):
             checks.append(unjudged(name, "%", row["drape_percent"], "no published band found" + seen))
+        else:
+            reference = f"published band of real {row['fabric']}, see `taut fabrics`" + seen
+            checks.append(band(name, "%", row["low_percent"], row["high_percent"], row["drape_percent"], reference))
+        if row["spacing_m"] == 0.005:
+            checks.append(Check(name, "%", row["told_percent"], 3, row["drape_percent"], "as `taut fabrics` says"))
     return checks
 
 
 def draw(axes, rows):
     shown = [row for row in rows if row["spacing_m"] == 0.005 and row["seed"] == 0] or rows
     for place, row in enumerate(shown):
-        if row["fabric"] in PUBLISHED:
-            low, high = PUBLISHED[row["fabric"]]
+        if not math.isnan(row["low_percent"]):
+            low, high = row["low_percent"], row["high_percent"]
             axes.bar(place, high - low, bottom=low, color="0.85", label="published band" if row is shown[0] else None)
         axes.plot(place, row["drape_percent"], "ko")
-    axes.set_xticks(range(len(shown)), [row["fabric"] for row in shown], fontsize=8)
+    axes.set_xticks(range(len(shown)), [row["fabric"] for row in shown], fontsize=8, rotation=45)
     axes.set_ylim(0, 100)
     axes.set_ylabel("drape coefficient, %")
     axes.legend()

@@ -1,5 +1,17 @@
 """The named fabrics, as the program knows them."""
-NAMES = ["cotton", "wool", "silk", "canvas", "denim", "polyester", "polycotton", "interlock", "ponte"]
+import re
+import subprocess
+
+NAMES = ["silk", "habotai", "crepe", "cotton", "poplin", "wool", "tropical", "flannel", "denim", "canvas", "flag",
+         "polyester", "polycotton", "interlock", "ponte"]
+
+
+def drapes(program):
+    """What `taut fabrics` says of each: the drape coefficient it has, and the band published (or None), %."""
+    table = subprocess.run([program, "fabrics"], check=True, capture_output=True, text=True).stdout
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines() if "| `" in line]
+    return {row[0].strip("`"): (float(row[5]), [float(bound) for bound in re.findall(r"\d+", row[6])] or None)
+            for row in rows}
 
 
 def bending_and_density(laboratory, name):

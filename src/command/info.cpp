@@ -12,6 +12,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 
 namespace taut::command {
 
@@ -34,6 +35,27 @@ std::string cloth_line(const std::string& name, Global vertices, Global cells, c
   return fmt::format("    {:<10} {} vertices, {} {}\n", name, vertices, cells, of);
 }
 
+/// A line for each cloth.
+std::string describe_materials(const Case& input) {
+  std::string text;
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    const config::Material& m = input.cloths[k].material;
+    text += fmt::format("  material    {}{}{:g} kg/m^2, bending {:g} N m, shear {:g} N/m\n",
+                        input.cloths.size() > 1 ? config::name_of_cloth(input, k) + ": " : "",
+                        input.cloths[k].fabric ? *input.cloths[k].fabric + ", " : "", m.density, m.bending,
+                        m.shear);
+  }
+  return text;
+}
+
+/// Of the case as it was run, if it is there.
+std::string materials_of_run(const fs::path& folder) {
+  std::ifstream in(folder / run_files::case_as_run);
+  std::ostringstream all;
+  all << in.rdbuf();
+  return in ? describe_materials(read_case(all.str(), (folder / run_files::case_as_run).string())) : "";
+}
+
 std::string describe_finished(const fs::path& folder, const Json& s) {
   const auto number = [&](const char* group, const char* key) { return s.at(group).at(key).get<double>(); };
   const std::string limit = s.at("strain").at("limit").is_null()
@@ -46,25 +68,26 @@ std::string describe_finished(const fs::path& folder, const Json& s) {
                          all[k].at("faces").get<Global>(), "faces");
   std::string text = fmt::format(
       "{}: case {}, {} on {} ranks by taut {}\n"
-      "  cloth       {} vertices, {} faces, {} constrained edges\n{}"
+      "  cloth       {} vertices, {} faces, {} constrained edges\n{}{}"
       "  time        {:.6g} s in {} steps ({} rejected), {} frames\n"
       "  strain      {:.3g} % at most ({}), rms {:.3g} %, 99.9 % of edges below {:.3g} %\n"
       "  projection  {}: {:.2f} iterations a step (at most {}), {:.1f} CG iterations each\n"
       "  velocity    {:.1f} CG iterations a step\n"
       "  partition   {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n"
-      "  cost        {:.2f} s: set-up {:.2f}, velocity {:.2f}, projection {:.2f}, output {:.2f}; memory "
-      "{:.0f} MB\n",
+      "  cost        {:.2f} s: set-up {:.2f}, velocity {:.2f}, projection {:.2f}, contact {:.2f}, output "
+      "{:.2f}; memory {:.0f} MB\n",
       folder.string(), s.at("case").get<std::string>(), s.at("status").get<std::string>(),
       s.at("ranks").get<int>(), s.at("version").get<std::string>(), s.at("vertices").get<Global>(),
-      s.at("faces").get<Global>(), s.at("constraints").get<Global>(), cloths, s.at("end_time").get<double>(),
-      s.at("steps").get<Global>(), s.at("rejected_steps").get<Global>(), s.at("frames").get<Global>(),
-      100 * number("strain", "max"), limit, 100 * number("strain", "rms"), 100 * number("strain", "p999"),
-      s.at("projection").at("method").get<std::string>(), number("projection", "iterations_mean"),
-      number("projection", "iterations_max"), number("projection", "ksp_iterations_mean"),
-      number("velocity", "ksp_iterations_mean"), number("partition", "edge_cut"),
-      number("partition", "imbalance"), number("partition", "ghosts_max"), number("seconds", "total"),
-      number("seconds", "setup"), number("seconds", "velocity"), number("seconds", "projection"),
-      number("seconds", "output"), number("memory_bytes", "sum") / 1e6);
+      s.at("faces").get<Global>(), s.at("constraints").get<Global>(), cloths, materials_of_run(folder),
+      s.at("end_time").get<double>(), s.at("steps").get<Global>(), s.at("rejected_steps").get<Global>(),
+      s.at("frames").get<Global>(), 100 * number("strain", "max"), limit, 100 * number("strain", "rms"),
+      100 * number("strain", "p999"), s.at("projection").at("method").get<std::string>(),
+      number("projection", "iterations_mean"), number("projection", "iterations_max"),
+      number("projection", "ksp_iterations_mean"), number("velocity", "ksp_iterations_mean"),
+      number("partition", "edge_cut"), number("partition", "imbalance"), number("partition", "ghosts_max"),
+      number("seconds", "total"), number("seconds", "setup"), number("seconds", "velocity"),
+      number("seconds", "projection"), number("seconds", "contact"), number("seconds", "output"),
+      number("memory_bytes", "sum") / 1e6);
   if (const auto reason = s.at("reason").get<std::string>(); !reason.empty())
     text += "  stopped     " + reason + "\n";
   return text;
@@ -121,13 +144,14 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
         cloth_line(config::name_of_cloth(input, k), cloth.pieces[k].vertices, cloth.pieces[k].cells, "cells");
   return fmt::format(
       "{}: case {}\n"
-      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}"
+      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}{}"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
       "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
       "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
       file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
-      length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, -extent[0], extent[3], -extent[1],
-      extent[4], -extent[2], extent[5], yarns, double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
+      length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, describe_materials(input),
+      -extent[0], extent[3], -extent[1], extent[4], -extent[2], extent[5], yarns,
+      double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
       length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
       mesh.report.ghosts_max);
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace taut::command {
@@ -32,6 +33,24 @@ std::string table(const std::string& name, const char* method, const PartitionFi
          row("neighbours", f.neighbours) + row("yarn segments", f.yarn_segments) +
          row("bytes received: positions", times(f.ghosts, bytes_of_position)) +
          row("bytes received: a number an edge", times(f.ghost_edges, sizeof(double)));
+}
+
+/// Whether so many ranks are worth it.
+std::string verdict(const PartitionFigures& f) {
+  constexpr double enough = 2000; // vertices of a rank, from which on work outweighs messages
+  if (f.vertices.min == 0)
+    return "  verdict: some ranks have no vertices at all, and would only wait; use fewer ranks\n";
+  if (f.vertices.mean < enough)
+    return fmt::format(
+        "  verdict: {:.0f} vertices a rank are few, and messages may take longer than work; {} "
+        "ranks or fewer would be better used\n",
+        f.vertices.mean, std::max(1, int(f.vertices.mean * f.parts / enough)));
+  if (f.imbalance > 1.2)
+    return fmt::format(
+        "  verdict: the largest part has {:.0f} % more vertices than the mean, for which all wait\n",
+        100 * (f.imbalance - 1));
+  return fmt::format("  verdict: good; {:.2g} ghosts a vertex of the rank with most\n",
+                     double(f.ghosts.max) / double(f.vertices.max));
 }
 
 std::string json(const std::string& name, const char* method, const PartitionFigures& f) {
@@ -71,7 +90,7 @@ int partition(MPI_Comm comm, const PartitionOptions& options) {
       partition_figures(comm, cloth.mesh.slab, cloth.mesh.topology, owners, options.ranks);
   const char* method = config::words_of(input.partition.method)[std::size_t(input.partition.method)].data();
   if (!options.json.empty()) write_text_whole(comm, options.json, json(input.name, method, figures));
-  if (rank_of(comm) == 0) fmt::print("{}", table(input.name, method, figures));
+  if (rank_of(comm) == 0) fmt::print("{}{}", table(input.name, method, figures), verdict(figures));
   return success;
 }
 

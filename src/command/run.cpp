@@ -7,8 +7,11 @@
 #include "src/output/run_files.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 
 namespace taut::command {
 
@@ -31,6 +34,21 @@ void take_cloth_of(MPI_Comm comm, const fs::path& folder, CaseSource& source) {
   source.overrides.push_back({"cloth.start.shape", frame});
 }
 
+/// Before a run that may take days, not after it. What lies in `out` comes to be with it.
+void try_counters(MPI_Comm comm, const fs::path& file, const fs::path& out) {
+  on_rank_0(comm, [&] {
+    const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+    std::error_code none;
+    const bool is_folder = fs::is_directory(file, none);
+    if (!is_folder && folder == fs::absolute(out).lexically_normal()) return;
+    if (is_folder || access(folder.c_str(), W_OK | X_OK) != 0)
+      throw InputError(
+          fmt::format("--counters {}: cannot be written: {}; give a file in a folder that exists "
+                      "and may be written to",
+                      file.string(), is_folder ? "it is a folder" : std::strerror(errno)));
+  });
+}
+
 } // namespace
 
 int run(MPI_Comm comm, const RunOptions& given) {
@@ -42,6 +60,7 @@ int run(MPI_Comm comm, const RunOptions& given) {
   const Case input = load_case(comm, options.source);
   if (options.out.empty()) options.out = std::filesystem::path("out") / input.name;
   const auto& out = options.out;
+  if (!options.counters.empty()) try_counters(comm, options.counters, out);
   if (input.sewing) return run_sewing(comm, input, options, stop, began);
   Simulation simulation(comm, input);
   try_petsc_options(simulation, input, options.source.petsc);

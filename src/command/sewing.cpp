@@ -95,6 +95,14 @@ void check_place(const Case& input, const Simulation& simulation) {
                                  -extent[5], extent[2]));
 }
 
+/// What is made one goes half the gap, which may take it through what lies there.
+bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
+  if (!stage.has_contact()) return true;
+  if (!stage.contact) stage.contact.emplace();
+  stage.contact->start = config::StartContact::untangle;
+  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp");
+}
+
 } // namespace
 
 fs::path sewing_folder(const fs::path& out) { return out / "sewing"; }
@@ -110,6 +118,8 @@ Case sewing_stage(Case input) {
   input.inextensibility.constrain = config::Constrain::edges;
   for (config::Cloth& c : input.cloths) {
     c.material.damping.mass += sewing.damping;
+    c.material.bending = std::max(c.material.bending, sewing.bending);
+    if (auto& weft = c.material.bending_weft) weft = std::max(*weft, sewing.bending);
     c.material.stretch =
         std::max(c.material.stretch.value_or(0), sewing.force / input.inextensibility.strain);
   }
@@ -149,7 +159,7 @@ int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const Run
   write_sewn(input, sewn, options.out);
   const Case stage = sewn_stage(input, options.out);
   Simulation simulation(comm, stage);
-  if (!clear_start(simulation, stage, fs::path(options.out) += ".findings.vtp")) return step_failure;
+  if (!clear_weld(simulation, stage, options.out)) return step_failure;
   if (!relax_start(simulation, stage)) return step_failure;
   clear_run_folder(comm, options.out, options.existing);
   announce(comm, simulation, stage, options.out);

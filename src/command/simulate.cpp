@@ -41,6 +41,20 @@ void tell_of_holes(MPI_Comm comm, const Case& input, const Obstacles& obstacles)
       fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
 }
 
+/// What came out, and where it is.
+void report_success(MPI_Comm comm, const Case& input, const Simulation& simulation, const Totals& totals,
+                    const fs::path& out) {
+  if (rank_of(comm) != 0) return;
+  const std::string limit = simulation.strain_limit()
+                                ? fmt::format("the limit is {:.3g} %", 100 * *simulation.strain_limit())
+                                : "no limit is kept";
+  fmt::print("{}: {:.6g} s in {} steps ({} rejected), {} on the clock; strain at most {:.3g} %, {}{}\n"
+             "{}: what it holds: taut info {}; a picture: scripts/render {}\n",
+             input.name, simulation.state().time, totals.steps, simulation.rejected_steps(),
+             in_words(totals.seconds), 100 * totals.strain_max, limit,
+             input.has_contact() ? "; no intersections found" : "", input.name, out.string(), out.string());
+}
+
 void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
   if (rank_of(comm) != 0 || outcome.completed()) return;
   fmt::print(stderr, "taut: {}\n", outcome.reason);
@@ -93,6 +107,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   if (!context.counters.empty())
     write_text_whole(comm, context.counters,
                      counters_text(comm, summary.totals(0), simulation.rejected_steps()));
+  if (outcome.completed()) report_success(comm, input, simulation, summary.totals(written.seconds), out);
   report_failure(comm, outcome, out);
   return exit_code(outcome.ending);
 }

@@ -11,14 +11,22 @@ namespace taut::command {
 
 namespace {
 
+constexpr int rounds_told = 5; ///< between two lines of progress
+
 /// What the rounds came to.
 std::string describe(const Untangled& u) {
   return fmt::format("after {} rounds, in which no vertex went farther than {:.3g} m", u.rounds, u.farthest);
 }
 
 bool untangle_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
-  Untangled untangled = untangle(simulation, input);
   const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
+  const auto tell = [&](const Untangled& so_far) {
+    if (!speaks || so_far.rounds % rounds_told != 0) return;
+    fmt::print("{}: untangling the start: {} intersections left after {} rounds\n", input.name, so_far.left,
+               so_far.rounds);
+    std::fflush(stdout);
+  };
+  Untangled untangled = untangle(simulation, input, tell);
   if (!untangled.succeeded()) {
     IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
     const bool still = check.finds_in(untangled.state, file);
@@ -55,7 +63,7 @@ bool relax_start(Simulation& simulation, const Case& input) {
         stderr,
         "taut: {}: the start is strained by {:.3g} times its limit, and could not be relaxed ({:.3g} "
         "times after {} steps); starts are within a strain of {:g}: bring the start shape nearer to the "
-        "rest shape, or mend cloth.rest, cloth.scale or cloth.texture_unit\n",
+        "rest shape, or correct cloth.rest, cloth.scale or cloth.texture_unit\n",
         input.file.string(), relaxed.strain_before, relaxed.strain, relaxed.steps,
         Simulation::most_strain_of_start);
   return relaxed.succeeded();

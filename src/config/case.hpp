@@ -43,16 +43,18 @@ struct Case {
   bool operator==(const Case&) const = default;
 };
 
-/// `--set key=value`: `key` is a path such as "time.max_step" or "pins.0.release", `value` is YAML.
+/// `--set key=value`: `key` is a path such as "time.max_step" or "pins.0.release", also written
+/// "pins[0].release"; `value` is YAML.
 struct Override {
   std::string key;
   std::string value;
 };
 
-/// Reads a case from YAML text; `file_name` names it in messages, gives `file` and the default of
-/// `name`. Overrides are applied in order. An override that adds `cloth.mesh` takes the place of a
-/// `cloth.grid` in the file (likewise for all keys of which exactly one is to be given). Throws `InputError`
-/// for the first mistake found: "file:line:column: ...", or "--set key=value: ...".
+/// Reads a case from YAML text; `file_name` names it in messages, gives `file` and the default of `name`:
+/// what stands before its extension, of a case.yaml its folder. Overrides are applied in order. An override
+/// that adds `cloth.mesh` takes the place of a `cloth.grid` in the file (likewise for all keys of which
+/// exactly one is to be given). Throws `InputError` for the first mistake found: "file:line:column: ...", or
+/// "--set key=value: ...".
 Case read_case(const std::string& text, const std::string& file_name,
                std::span<const Override> overrides = {});
 

@@ -32,6 +32,13 @@ struct Rotation {
   bool operator==(const Rotation&) const = default;
 };
 
+/// Where something starts: turned about the origin, then moved.
+struct Placement {
+  Rotation rotate;
+  Vec3 translate = Vec3::Zero(); ///< m
+  bool operator==(const Placement&) const = default;
+};
+
 /// Where the cloth starts: the shape (if any), turned about the origin, then moved.
 struct Start {
   std::optional<std::filesystem::path> shape;

@@ -99,18 +99,19 @@ void describe(V& v, Is<Case> auto& c) {
       c.time.integrator == Integrator::implicit_euler ||
           c.inextensibility.method != InextensibilityMethod::xpbd,
       "integrator is not used by inextensibility.method xpbd, which has its own time stepping; remove it");
-  v.check("time", c.time.integrator != Integrator::bdf2 || !c.has_contact(),
-          "integrator bdf2 does not go with contact, as its steps begin beside the path of the cloth; choose "
-          "implicit_euler or imex");
+  v.check(
+      "time", c.time.integrator != Integrator::bdf2 || !c.has_contact(),
+      "integrator bdf2 does not work with contact, as its steps begin beside the path of the cloth; choose "
+      "implicit_euler or imex");
   v.check(
       "inextensibility",
       can_average(c.inextensibility.method) || c.contact_model() != ContactModel::constraint,
-      "contact.model constraint goes with methods fast_projection and newton only; choose one of these, or "
+      "contact.model constraint works with methods fast_projection and newton only; choose one of these, or "
       "contact.model: impulse, penalty or none");
   v.check("inextensibility",
           c.inextensibility.method != InextensibilityMethod::newton || !c.has_contact() ||
               c.contact_model() == ContactModel::constraint,
-          "method newton goes with contact.model constraint or none only; choose one of these, or method "
+          "method newton works with contact.model constraint or none only; choose one of these, or method "
           "fast_projection");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");

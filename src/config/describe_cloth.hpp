@@ -37,6 +37,12 @@ void describe(V& v, Is<Rotation> auto& r) {
 }
 
 template<class V>
+void describe(V& v, Is<Placement> auto& p) {
+  v("rotate", p.rotate, {.meaning = "rotation about the origin, done first"});
+  v("translate", p.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
+}
+
+template<class V>
 void describe(V& v, Is<Start> auto& s) {
   v("shape", s.shape,
     {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
@@ -62,14 +68,14 @@ void describe(V& v, Is<Material> auto& m) {
     {.unit = Unit::cloth_bending,
      .range = not_negative,
      .computed_default = "bending",
-     .meaning = "bending stiffness of weft threads"});
+     .meaning = "bending stiffness of weft threads; not with bending_model: yarn"});
   v("twist", m.twist,
     {.unit = Unit::cloth_bending,
      .range = not_negative,
      .computed_default = "bending; with `bending_weft`, the geometric mean of both",
      .meaning = "twist stiffness of quads: that of an isotropic sheet is its bending stiffness"});
   v("bending_model", m.bending_model,
-    {.computed_default = "yarn, or isometric on a mesh with triangles",
+    {.computed_default = "yarn; isometric on a mesh with triangles, or with bending_weft",
      .meaning = "what resists bending: curvature of each yarn, or the fold over each edge between faces: its "
                 "isometric quadratic form, discrete shells, or the angle of Baraff and Witkin"});
   v("rest_angles", m.rest_angles,
@@ -132,6 +138,8 @@ void describe(V& v, Is<Cloth> auto& c) {
      .range = positive,
      .computed_default = "`contact.thickness`",
      .meaning = "distance kept between two layers of it; to another cloth, the mean of both is kept"});
+  v.check("scale", c.scale == 1 || c.mesh || c.start.shape,
+          "is for cloth.mesh and start.shape; remove it, and give lengths in metres or with a unit");
   v.check("edge", !c.pattern || c.edge,
           "is missing; a pattern needs the length of the edges of its mesh, e.g. 5 mm");
   v.check("rest", c.rest == RestShape::mesh || c.mesh, "texture is of a mesh file; give cloth.mesh");

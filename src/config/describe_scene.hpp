@@ -1,5 +1,6 @@
 #pragma once
 #include "src/config/case.hpp"
+#include "src/config/describe_cloth.hpp"
 #include "src/config/key.hpp"
 #include "src/config/solids.hpp"
 
@@ -29,7 +30,7 @@ void describe(V& v, Is<Keyframe> auto& k) {
     {.unit = Unit::second,
      .range = not_negative,
      .presence = Presence::required,
-     .meaning = "when the pin is here"});
+     .meaning = "when it is here"});
   v("translate", k.translate, {.unit = Unit::metre, .meaning = "offset from the start, after the rotation"});
   v("rotate", k.rotate, {.meaning = "rotation of the start position, done first"});
 }
@@ -157,12 +158,13 @@ void describe(V& v, Is<Obstacle> auto& o) {
          "linear between them, the last is held"});
   v("scale", o.scale, {.range = positive, .meaning = "metres per unit of the mesh"});
   v("up", o.up, {.meaning = "axis that points up in the mesh file; y is turned to z, as of `cloth`"});
+  v("start", o.start, {.meaning = "where it starts, moved as `cloth.start` moves cloth"});
   v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
   v("friction", o.friction,
     {.range = not_negative,
      .computed_default = "`contact.friction`",
      .meaning = "Coulomb coefficient against cloth"});
-  v("motion", o.motion, {.meaning = "keyframes, as of pins; none: at rest"});
+  v("motion", o.motion, {.meaning = "keyframes, relative to the start, as of pins; none: at rest"});
   v.check("sequence", !o.sequence || o.mesh, "is of meshes; give the first as mesh");
   v.check("motion", increasing(o.motion), "times must increase from keyframe to keyframe; sort them");
   v.check("motion",
@@ -190,6 +192,11 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,
     {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall until then"});
+  v("bending", s.bending,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .meaning = "bending stiffness until then, of cloth that is softer: panels that stay smooth do not get "
+                "caught on one another"});
   v.check("limit", s.limit >= s.time, "is less than time; seams need that long to close");
 }
 
@@ -221,7 +228,7 @@ void describe(V& v, Is<Contact> auto& c) {
   v("thickness", c.thickness,
     {.unit = Unit::metre,
      .range = positive,
-     .computed_default = "a tenth of the mean edge of each cloth",
+     .computed_default = "a tenth of the mean edge of each cloth, at most half its shortest",
      .meaning = "distance kept between midsurfaces"});
   v("friction", c.friction, {.range = not_negative, .meaning = "Coulomb coefficient of cloth on cloth"});
   v("max_iterations", c.max_iterations,

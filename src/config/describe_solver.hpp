@@ -120,7 +120,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   const Inextensibility standard;
   const bool projects = is_projection(i.method);
   v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
-          "vertices goes with methods fast_projection and newton only; choose one of these, or edges");
+          "vertices works with methods fast_projection and newton only; choose one of these, or edges");
   check_use(v, "solver", i.solver == standard.solver, projects && i.method != newton, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);

@@ -61,8 +61,8 @@ void Reader::fail_missing(std::string_view name, const Key& key) const {
 namespace {
 
 std::string default_name(const std::filesystem::path& file) {
-  const std::string folder = file.parent_path().filename().string();
-  return folder.empty() || folder == "." || folder == ".." ? file.stem().string() : folder;
+  const std::string folder = file.parent_path().filename().string(), stem = file.stem().string();
+  return stem != "case" || folder.empty() || folder == "." || folder == ".." ? stem : folder;
 }
 
 /// The material that stands before the keys of `material` are read; an unknown fabric is for the reader to

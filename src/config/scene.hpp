@@ -1,6 +1,7 @@
 #pragma once
 #include "partition/types.hpp"
 #include "src/config/choices.hpp"
+#include "src/config/cloth.hpp"
 
 #include <array>
 #include <filesystem>
@@ -103,6 +104,7 @@ struct Obstacle {
   std::optional<Sequence> sequence;          ///< `mesh` is its first
   double scale = 1;                          ///< m per unit of the mesh
   UpAxis up = UpAxis::z;                     ///< in the file of the mesh
+  Placement start;                           ///< of what is given above
   double thickness = 0;                      ///< m added all around
   std::optional<double> friction;            ///< against cloth; absent: that of `contact`
   std::vector<Keyframe> motion;              ///< times increase strictly; empty: at rest
@@ -116,6 +118,7 @@ struct Sewing {
   double limit = 5;            ///< s, by which all seams must be closed
   double damping = 5;          ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
+  double bending = 0;          ///< N m, at least
   bool operator==(const Sewing&) const = default;
 };
 

@@ -78,12 +78,13 @@ Tree parse(const std::string& text, const Place& place, Origin origin) {
   }
 }
 
+/// "pins[0].box" and "pins.0.box" are the same path.
 std::vector<std::string> split(const std::string& key) {
   std::vector<std::string> parts{""};
   for (const char c : key) {
-    if (c == '.')
+    if (c == '.' || c == '[')
       parts.emplace_back();
-    else
+    else if (c != ']')
       parts.back() += c;
   }
   return parts;

@@ -28,11 +28,14 @@ constexpr std::array names{
     UnitName{Unit::per_newton, "1/N", "compliance", "1/N", "1e-4 1/N"},
 };
 
+constexpr double standard_gravity = 9.80665; // m/s^2; a gram-force is a thousandth of it in N
+
 constexpr std::array scales{
     Scale{Unit::none, "%", 1, 100},
     Scale{Unit::metre, "m"},
     Scale{Unit::metre, "cm", 1, 100},
     Scale{Unit::metre, "mm", 1, 1000},
+    Scale{Unit::metre, "in", 0.0254},
     Scale{Unit::second, "s"},
     Scale{Unit::second, "ms", 1, 1000},
     Scale{Unit::second, "us", 1, 1e6},
@@ -51,17 +54,25 @@ constexpr std::array scales{
     Scale{Unit::kilogram_per_metre3, "kg/m^3"},
     Scale{Unit::cloth_density, "kg/m^2"},
     Scale{Unit::cloth_density, "g/m^2", 1, 1000},
+    Scale{Unit::cloth_density, "g/m2", 1, 1000},
+    Scale{Unit::cloth_density, "gsm", 1, 1000},
     Scale{Unit::cloth_density, "kg/m"},
     Scale{Unit::cloth_density, "g/m", 1, 1000},
     Scale{Unit::cloth_bending, "N m"},
     Scale{Unit::cloth_bending, "mN m", 1, 1000},
     Scale{Unit::cloth_bending, "uN m", 1, 1e6},
+    Scale{Unit::cloth_bending, "\u00b5N m", 1, 1e6}, // micro sign
+    Scale{Unit::cloth_bending, "\u03bcN m", 1, 1e6}, // Greek mu
+    Scale{Unit::cloth_bending, "mN mm", 1, 1e6},
+    Scale{Unit::cloth_bending, "gf cm^2/cm", standard_gravity, 1e5}, // of the Kawabata evaluation system
+    Scale{Unit::cloth_bending, "gf cm2/cm", standard_gravity, 1e5},
     Scale{Unit::cloth_bending, "N m^2"},
     Scale{Unit::cloth_stretch, "N/m"},
     Scale{Unit::cloth_stretch, "N"},
     Scale{Unit::newton, "N"},
     Scale{Unit::newton, "kN", 1000, 1},
     Scale{Unit::newton_per_metre, "N/m"},
+    Scale{Unit::newton_per_metre, "gf/(cm deg)", 0.1 * standard_gravity * 180, std::numbers::pi},
     Scale{Unit::per_newton, "1/N"},
 };
 

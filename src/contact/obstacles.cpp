@@ -1,6 +1,7 @@
 #include "src/contact/obstacles.hpp"
 
 #include "io/mesh_file.hpp"
+#include "src/config/require_file.hpp"
 #include "src/config/up.hpp"
 #include "src/contact/closest.hpp"
 #include "src/contact/union_mesh.hpp"
@@ -28,6 +29,11 @@ std::vector<T> everywhere(MPI_Comm comm, const std::vector<T>& slab) {
     destinations.insert(destinations.end(), slab.size(), r);
   }
   return exchange(comm, copies, destinations).items;
+}
+
+/// How `start` turns a body.
+Mat3 turn_of(const config::Obstacle& o) {
+  return Eigen::AngleAxisd(o.start.rotate.angle, o.start.rotate.axis.normalized()).toRotationMatrix();
 }
 
 std::string name_of(const config::Obstacle& o, int body) {
@@ -74,7 +80,8 @@ std::vector<WholeMesh> meshes_of(MPI_Comm comm, const Case& input, int body) {
           fmt::format("{}: obstacles.{}.mesh: the first mesh of a sequence needs a name that ends in a "
                       "number, such as body_0001.obj; found '{}'",
                       input.file.string(), body, o.mesh->string()));
-    MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale);
+    config::require_file(comm, input, fmt::format("obstacles.{}.mesh", body), file);
+    MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale, Polygons::triangulate);
     config::turn_upright(o.up, slab.rest_positions);
     meshes.push_back({slab.name, everywhere(comm, slab.rest_positions), everywhere(comm, slab.cell)});
     if (!same_faces(meshes.front(), meshes.back()))
@@ -104,7 +111,7 @@ void Obstacles::add(MPI_Comm comm, const Case& input, int body) {
   if (o.plane && o.plane->reach) {
     add_sheet(*o.plane, body);
   } else if (o.plane) {
-    planes_.push_back({add_vertex(body, o.plane->point), o.plane->normal.normalized(), body});
+    planes_.push_back({add_vertex(body, o.plane->point), turn_of(o) * o.plane->normal.normalized(), body});
   } else if (o.sphere) {
     const Local c = add_vertex(body, o.sphere->centre);
     elements_.push_back({{c, c, c}, 1, 0b000001, std::int16_t(body)});
@@ -185,7 +192,10 @@ void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
   if (!o.sequence) return;
   Frames& frames = frames_[body];
   frames = {first, o.sequence->fps, {}};
-  for (WholeMesh& m : meshes) frames.positions.push_back(std::move(m.positions));
+  for (WholeMesh& m : meshes) {
+    for (Vec3& x : m.positions) x = turn_of(o) * x + o.start.translate;
+    frames.positions.push_back(std::move(m.positions));
+  }
 }
 
 Vec3 Obstacles::Frames::at(Local vertex, double time) const {
@@ -196,7 +206,7 @@ Vec3 Obstacles::Frames::at(Local vertex, double time) const {
 }
 
 Local Obstacles::add_vertex(int body, const Vec3& position) {
-  start_.push_back(position);
+  start_.push_back(turn_of(inputs_[body]) * position + inputs_[body].start.translate);
   body_of_.push_back(body);
   return vertices() - 1;
 }
@@ -215,6 +225,11 @@ void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, i
   }
   for (const auto& [ends, count] : taken)
     if (ends.first != ends.second && count == 1) ++bodies_[body].rims;
+}
+
+bool Obstacles::all_rest() const {
+  return std::all_of(inputs_.begin(), inputs_.end(),
+                     [](const config::Obstacle& o) { return o.motion.empty() && !o.sequence; });
 }
 
 Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {

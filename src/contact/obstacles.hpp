@@ -34,6 +34,7 @@ public:
   std::span<const Element> elements() const { return elements_; }
   std::span<const Plane> planes() const { return planes_; }
   int bodies() const { return int(bodies_.size()); }
+  bool all_rest() const; ///< none moves or changes its shape
   const Body& body(int k) const { return bodies_[k]; }
   bool empty() const { return bodies_.empty(); }
 

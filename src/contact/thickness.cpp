@@ -36,8 +36,8 @@ Edges edges_of(const Cloth& cloth, std::size_t piece) {
 double thickness_of(const Case& input, std::size_t k, const Edges& edges) {
   const config::Contact contact = input.contact.value_or(config::Contact{});
   const auto& own = input.cloths[k].thickness;
-  const double thickness = own ? *own : contact.thickness.value_or(0.1 * edges.mean);
   const double most = 0.5 * edges.shortest;
+  const double thickness = own ? *own : contact.thickness.value_or(std::min(0.1 * edges.mean, most));
   if (thickness > most)
     throw InputError(fmt::format(
         "{}: {}: {:.4g} m is more than half the shortest edge{} "

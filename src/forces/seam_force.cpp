@@ -56,7 +56,8 @@ OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions) {
   OpenSeam widest;
   for (const auto& [a, b] : cloth.mesh.seams) {
     const double distance = (positions[b] - positions[a]).norm();
-    const double over = distance / (SeamForce::closed * seam_length_at(cloth, a));
+    const double length = std::max(seam_length_at(cloth, a), seam_length_at(cloth, b));
+    const double over = distance / (SeamForce::closed * length);
     if (cloth.mesh.owns_vertex(a) && over > widest.over_closed)
       widest = {distance, over, map.original[a], map.original[b]};
   }

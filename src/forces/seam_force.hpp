@@ -13,7 +13,10 @@ namespace taut {
 ///
 /// so that no seam ever pulls with more than F = `force` times the length of seam at the vertex. It does so
 /// where its ends are more than `held` of that length apart. A seam counts as closed where they are nearer
-/// than `closed` of it: what is missing is then smaller than what a step of the projection mends.
+/// than `closed` of it, at one end or the other: each goes half of that when they become one, and the cells
+/// beside them, strained by up to a fifth, are relaxed from there (Simulation::relax). Waiting for less is a
+/// matter of luck: what the prediction draws together the projection, which moves in the metric of masses,
+/// opens again by up to a tenth of an edge.
 ///
 /// With w = min(k, F/e), the force is w e along d. In place of its derivative along d, which is 0 where the
 /// pull is largest, the system gets w: the parabola that touches E and is nowhere below it, as in iteratively
@@ -21,7 +24,7 @@ namespace taut {
 class SeamForce : public Force {
 public:
   /// Of a string, over the length of seam at its vertex.
-  static constexpr double held = 2e-3, closed = 0.05;
+  static constexpr double held = 2e-3, closed = 0.4;
 
   /// `cloth` must outlive the force. Not collective.
   SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing);

@@ -33,13 +33,18 @@ std::span<const T> part(const Slab& slab, std::span<const T> all, int columns = 
 } // namespace
 
 ObstacleFrames::ObstacleFrames(const Cloth& cloth, const Obstacles& obstacles)
-    : comm_(cloth.mesh.comm), surface_(obstacles, width_of(cloth)) {}
+    : comm_(cloth.mesh.comm), all_rest_(obstacles.all_rest()), surface_(obstacles, width_of(cloth)) {}
 
-void ObstacleFrames::write_faces(H5Writer& file) const {
+void ObstacleFrames::write_once(H5Writer& file) const {
   const Slab slab = rows_on_first(comm_, surface_.faces().size());
   const std::span<const Global> corners(surface_.faces().data()->data(), 3 * surface_.faces().size());
   file.write<Global>("/obstacles/faces", part(slab, corners, 3), 3, slab);
   file.write<std::int32_t>("/obstacles/bodies", part(slab, surface_.bodies()), 1, slab);
+  if (all_rest_) write_positions(file, 0);
+}
+
+void ObstacleFrames::write_frame(H5Writer& file, double time) const {
+  if (!all_rest_) write_positions(file, time);
 }
 
 void ObstacleFrames::write_positions(H5Writer& file, double time) const {
@@ -51,6 +56,7 @@ void ObstacleFrames::write_positions(H5Writer& file, double time) const {
 XdmfText ObstacleFrames::xdmf() const {
   XdmfDescription d;
   d.positions = "/obstacles/positions";
+  d.positions_home = all_rest_ ? XdmfHome::mesh : XdmfHome::frame;
   d.points = Global(surface_.at(0).size());
   d.shape = XdmfCells::triangles;
   d.cells_dataset = "/obstacles/faces";

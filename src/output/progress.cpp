@@ -26,11 +26,11 @@ void Progress::after_frame(const State& state, Global frame) {
   if (style_ == ProgressStyle::bar) fmt::print("\r\033[K");
   fmt::print("frame {:>{}}/{}  t {:.3f} s  steps {}{}  strain {:.2f} %  projections {:.1f}/step ({:.0f} CG)  "
              "velocity "
-             "{:.0f} CG  {:.2g} s/frame  left {}\n",
+             "{:.0f} CG  {} s/frame  left {}\n",
              frame, std::to_string(frames_).size(), frames_, state.time, frame_.steps,
              frame_.rejected > 0 ? fmt::format(" (+{} rejected)", frame_.rejected) : "", 100 * frame_.strain,
              double(frame_.counts.iterations) / steps, double(frame_.counts.linear_iterations) / steps,
-             double(frame_.counts.velocity_iterations) / steps, now - frame_began_,
+             double(frame_.counts.velocity_iterations) / steps, two_digits(now - frame_began_),
              in_words(seconds_left(state)));
   std::fflush(stdout);
   frame_ = {};
@@ -47,6 +47,10 @@ void Progress::draw_bar(const State& state) const {
 
 double Progress::seconds_left(const State& state) const {
   return (MPI_Wtime() - began_) * (end_time_ - state.time) / (state.time - start_time_);
+}
+
+std::string two_digits(double number) {
+  return number < 100 ? fmt::format("{:.2g}", number) : fmt::format("{:.0f}", number);
 }
 
 std::string in_words(double seconds) {

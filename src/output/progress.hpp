@@ -36,6 +36,9 @@ private:
   } frame_;
 };
 
+/// "0.012", "3.4", "150": as few digits as tell, without exponents of ten above 1
+std::string two_digits(double number);
+
 /// "4 s", "2 min 05 s", "3 h 12 min"
 std::string in_words(double seconds);
 

@@ -89,7 +89,7 @@ void write_run_mesh(const std::filesystem::path& file, const Cloth& cloth, std::
     write_edges(out, cloth);
     for (const FrameField& field : fields)
       if (field.home == FieldHome::shared_mesh) write_field(out, mesh, field, state);
-    if (!obstacles.empty()) obstacles.write_faces(out);
+    if (!obstacles.empty()) obstacles.write_once(out);
   });
 }
 

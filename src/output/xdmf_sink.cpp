@@ -82,7 +82,7 @@ fs::path XdmfSink::write(const State& state, Global frame) {
     out.write("/positions", mesh.vertex_order.to_slab<Vec3>(state.positions), mesh.vertex_order.slab());
     for (const FrameField& field : source_.fields)
       if (field.home == FieldHome::each_frame) write_field(out, mesh, field, state);
-    if (!source_.obstacles.empty()) source_.obstacles.write_positions(out, state.time);
+    if (!source_.obstacles.empty()) source_.obstacles.write_frame(out, state.time);
   };
   write_whole(mesh.comm, path, fill, Outlives::program);
   frames_.push_back({state.time, file_of(frame)});

@@ -3,7 +3,9 @@
 #include "io/mesh_file.hpp"
 #include "partition/grid.hpp"
 #include "partition/mesh_check.hpp"
+#include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/config/require_file.hpp"
 #include "src/config/up.hpp"
 #include "src/garment/labels.hpp"
 #include "src/garment/load_garment.hpp"
@@ -36,14 +38,21 @@ LabelledMesh load_pattern(MPI_Comm comm, const Case& input, const config::Cloth&
   return {garment::share_out(comm, garment, joints), garment::share_labels(comm, garment.mesh.labels)};
 }
 
-LabelledMesh load_mesh(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
+LabelledMesh load_mesh(MPI_Comm comm, const Case& input, std::size_t k) {
+  const config::Cloth& cloth = input.cloths[k];
+  const auto require = [&](const char* key, const std::optional<std::filesystem::path>& file) {
+    if (file) config::require_file(comm, input, config::key_of_cloth(input, k) + key, *file);
+  };
+  require(".mesh", cloth.mesh);
+  require(".pattern", cloth.pattern);
+  require(".start.shape", cloth.start.shape);
   if (cloth.grid)
     return {make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells)), {}};
   if (cloth.line) return {make_line(comm, cloth.line->length, cloth.line->vertices), {}};
   const auto file = input.folder() / cloth.mesh.value_or("");
-  LabelledMesh mesh =
-      cloth.pattern ? load_pattern(comm, input, cloth)
-                    : LabelledMesh{read_mesh(comm, file, cloth.scale), garment::read_labels(comm, file)};
+  LabelledMesh mesh = cloth.pattern ? load_pattern(comm, input, cloth)
+                                    : LabelledMesh{read_mesh(comm, file, cloth.scale, Polygons::refuse),
+                                                   garment::read_labels(comm, file)};
   config::turn_upright(up_of(cloth), mesh.slab.rest_positions);
   return mesh;
 }
@@ -80,8 +89,9 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   UndistributedCloth all;
   std::vector<ListedMesh> meshes;
   Global vertices = 0, cells = 0;
-  for (const config::Cloth& cloth : input.cloths) {
-    auto [slab, labels] = load_mesh(comm, input, cloth);
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    const config::Cloth& cloth = input.cloths[k];
+    auto [slab, labels] = load_mesh(comm, input, k);
     ListedMesh& mesh = meshes.emplace_back(ListedMesh{std::move(slab), {}});
     if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
@@ -91,8 +101,11 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
     vertices += v.total;
     cells += c.total;
     auto& model = piece.material.bending_model;
+    const bool folds = any_of(comm, !mesh.topology.hinges.empty());
     if (!model)
-      model = mesh.topology.has_triangles ? config::BendingModel::isometric : config::BendingModel::yarn;
+      model = mesh.topology.has_triangles || (folds && piece.material.bending_weft)
+                  ? config::BendingModel::isometric
+                  : config::BendingModel::yarn;
     if (model == config::BendingModel::yarn) mesh.topology.hinges.clear(); // nobody asks for them
   }
   all.mesh = meshes.size() == 1 ? std::move(meshes.front()) : join(comm, meshes);

@@ -28,6 +28,8 @@ public:
                                       .dt = input.time.max_step});
   }
 
+  bool keeps() const { return projector_.has_value(); }
+
   /// What cannot be projected stays as it is.
   void keep(std::vector<Vec3>& positions) {
     if (!projector_) return;
@@ -50,7 +52,8 @@ Freedom freedom_at_start(const Simulation& simulation, double dt) {
 
 } // namespace
 
-Untangled untangle(const Simulation& simulation, const Case& input) {
+Untangled untangle(const Simulation& simulation, const Case& input,
+                   const std::function<void(const Untangled&)>& after_round) {
   const Cloth& cloth = simulation.cloth();
   const Obstacles& obstacles = simulation.obstacles();
   Untangled result{.state = simulation.state()};
@@ -62,14 +65,17 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
   Intersections test(cloth, obstacles);
   const Freedom freedom = freedom_at_start(simulation, input.time.max_step);
   EdgeKeeper edges(simulation, input, freedom);
+  // Of averages there is no keeper: those are relaxed, as of any start.
+  const std::optional<double> most_strain =
+      edges.keeps() ? simulation.strain_limit() : std::optional(Simulation::most_strain_of_start);
   const auto measure = [&] {
     result.left = sum_over(cloth.mesh.comm, Global(test.find(x, bodies).size()));
     result.strain = simulation.gauge().measure(x).max;
-    result.is_within_limit = !simulation.strain_limit() || result.strain <= *simulation.strain_limit();
+    result.is_within_limit = !most_strain || result.strain <= *most_strain;
   };
   measure();
   if (result.left == 0) return Untangled{.state = simulation.state()};
-  for (; !result.succeeded() && result.rounds < most_rounds; measure()) {
+  while (!result.succeeded() && result.rounds < most_rounds) {
     if (result.left > 0) {
       const std::vector<Vec3> moves = untangler.find(x, bodies);
       for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
@@ -78,6 +84,8 @@ Untangled untangle(const Simulation& simulation, const Case& input) {
     }
     edges.keep(x);
     ++result.rounds;
+    measure();
+    if (after_round) after_round(result);
   }
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)
     result.farthest = std::max(result.farthest, (x[i] - simulation.state().positions[i]).norm());

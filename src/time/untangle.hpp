@@ -1,6 +1,8 @@
 #pragma once
 #include "src/time/simulation.hpp"
 
+#include <functional>
+
 namespace taut {
 
 /// What became of a start that intersects.
@@ -18,7 +20,8 @@ struct Untangled {
 /// Moves the cloth of the start out of shallow intersections with itself and with obstacles, before the first
 /// step: in rounds of a small way out (Untangler) and a projection that keeps the edges, until the exact test
 /// finds no intersection and the strain is within the limit, or the rounds are used up. Velocities stay.
-/// Collective.
-Untangled untangle(const Simulation& simulation, const Case& input);
+/// `after_round`, if given, sees the result so far, on all ranks alike. Collective.
+Untangled untangle(const Simulation& simulation, const Case& input,
+                   const std::function<void(const Untangled&)>& after_round = {});
 
 } // namespace taut

@@ -101,10 +101,10 @@ MISTAKES = [
            "it, or "
            "choose another method"),
     added("method_without_contact", "inextensibility: {method: icd}\nobstacles: [{plane: {point: [0, 0, -1]}}]",
-          "taut: case.yaml:5:18: inextensibility: contact.model constraint goes with methods fast_projection and "
+          "taut: case.yaml:5:18: inextensibility: contact.model constraint works with methods fast_projection and "
           "newton only; choose one of these, or contact.model: impulse, penalty or none"),
     added("contact_by_newton", "inextensibility: {method: newton}\nobstacles: [{plane: {point: [0, 0, -1]}}]\n"
-          "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton goes with contact.model "
+          "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton works with contact.model "
           "constraint or none only; choose one of these, or method fast_projection"),
     added("mumps_for_newton", "inextensibility: {method: newton, solver: mumps}", "taut: case.yaml:5:43: "
           "inextensibility.solver: method newton does not use it; remove it, or choose another method"),
@@ -120,10 +120,30 @@ MISTAKES = [
            "'denin' (did you mean 'denim'?); choose one of cotton, wool, silk, canvas, denim, polyester, polycotton, "
            "interlock, ponte"),
 
-    Mistake("mesh_missing", "taut: mesh.obj: no such file, or it may not be read; check its name", MESH_CASE),
+    Mistake("mesh_missing", "taut: case.yaml: cloth.mesh: mesh.obj: no such file; paths are relative to the case file",
+            MESH_CASE),
+    Mistake("pattern_missing", "taut: case.yaml: cloth.pattern: p.yaml: no such file; paths are relative to the case "
+            "file", "cloth: {pattern: p.yaml, edge: 1 cm}"),
+    option("shape_missing", "--set cloth.start.shape=s.obj", "taut: case.yaml: cloth.start.shape: s.obj: no such "
+           "file; paths are relative to the case file"),
+    option("scale_of_a_grid", "--set cloth.scale=0.01", "taut: --set cloth.scale=0.01: cloth.scale: is for cloth.mesh "
+           "and start.shape; remove it, and give lengths in metres or with a unit"),
+    option("no_such_pin", "--set pins[3].release=1", "taut: --set pins[3].release=1: '3' is not an entry of the list, "
+           "which has 1; count from 0"),
+    option("angle_in_degrees", "--set cloth.start.rotate.angle=90", "taut: --set cloth.start.rotate.angle=90: "
+           "cloth.start.rotate.angle: 90 without a unit would be radians, more than a full turn; write '90 deg', or "
+           "'90 rad' if that is meant"),
+    option("bending_of_weft_on_yarns", "--set cloth.material.bending_weft=1 --set cloth.material.bending_model=yarn",
+           "taut: case.yaml: cloth.material.bending_weft: yarn bends all threads alike; use isometric, "
+           "discrete_shells or baraff_witkin"),
+    option("petsc_option_before_dashes", "-projection_ksp_monitor", "taut: -projection_ksp_monitor: PETSc options "
+           "stand behind --, as in: taut run case.yaml -- -projection_ksp_monitor; those of taut begin with two "
+           "dashes"),
+    option("counters_to_nowhere", "--counters none/counters.json", "taut: --counters none/counters.json: cannot be "
+           "written: No such file or directory; give a file in a folder that exists and may be written to"),
     Mistake("mesh_of_unknown_kind",
             "taut: cloth.dae: the extension '.dae' is not known; give a mesh file .obj, .ply, .stl or .h5",
-            MESH_CASE, ("--set", "cloth.mesh=cloth.dae")),
+            MESH_CASE, ("--set", "cloth.mesh=cloth.dae"), {"cloth.dae": ""}),
     mesh("mesh_empty", "", "taut: mesh.obj: no vertices; write one 'v x y z' a line"),
     mesh("mesh_without_faces", SQUARE,
          "taut: mesh.obj: no faces or lines; write 'f a b c d', 'f a b c' or 'l a b'"),
@@ -145,30 +165,28 @@ MISTAKES = [
          "taut: mesh.obj:5: vertex 2 is used twice; name each vertex of an element once"),
     mesh("face_of_five", SQUARE + "v 0 2 0\nf 1 2 3 4 5\n",
          "taut: mesh.obj:6: a face has more than 4 vertices; split it into quads and triangles"),
-    mesh("zero_length_edge", "v 0 0 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "taut: mesh.obj:2: vertex 2 lies "
-         "exactly on vertex 1 (line 1), with which it shares an edge: the edge has zero length; merge the two "
+    mesh("zero_length_edge", "v 0 0 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "taut: mesh.obj:2: vertex 1 lies "
+         "exactly on vertex 0 (line 1), with which it shares an edge: the edge has zero length; merge the two "
          "vertices"),
-    mesh("duplicate_edge", SQUARE + "l 1 2\nl 3 2 1\n",
-         "taut: mesh.obj:6: the edge between vertices 1 and 2 is there twice (also line 5); remove one of them"),
+    mesh("duplicate_edge", BODY[:BODY.index("f")] + "l 1 2\nl 3 2 1\n",
+         "taut: mesh.obj:5: the edge between vertices 0 and 1 is there twice (also line 4); remove one of them"),
     mesh("non_manifold", SQUARE + "v 2 0 0\nv 2 1 0\nv 1 0 1\nv 1 1 1\nf 1 2 3 4\nf 2 5 6 3\nf 2 7 8 3\n",
-         "taut: mesh.obj:11: the edge between vertices 2 and 3 has 3 faces (one on line 9): the mesh is non-manifold "
+         "taut: mesh.obj:11: the edge between vertices 1 and 2 has 3 faces (one on line 9): the mesh is non-manifold "
          "there; a cloth edge has one or two faces, so separate the sheets"),
     mesh("flipped_face", SQUARE + "v 2 0 0\nv 2 1 0\nf 1 2 3 4\nf 2 3 6 5\n",
-         "taut: mesh.obj:8: this face and the face on line 7 run along the edge between vertices 2 and 3 in the same "
+         "taut: mesh.obj:8: this face and the face on line 7 run along the edge between vertices 1 and 2 in the same "
          "direction: one of them is flipped or doubled; orient all faces alike"),
     mesh("face_with_crossing_sides", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n",
-         "taut: mesh.obj:5: this face (number 1) has no area: its corners lie on one line, or its sides cross; give "
+         "taut: mesh.obj:5: this face (number 0) has no area: its corners lie on one line, or its sides cross; give "
          "its "
          "corners in order around it"),
-    mesh("isolated_vertex", SQUARE + "v 2 0 0\nf 1 2 3 4\n",
-         "taut: mesh.obj:5: vertex 5 belongs to no face and no line; remove it"),
     obstacle("sequence_without_number", "mesh: body.obj, sequence: {fps: 25, frames: 2}", {"body.obj": BODY},
              "taut: case.yaml: obstacles.0.mesh: the first mesh of a sequence needs a name that ends in a number, such "
              "as body_0001.obj; "
              "found 'body.obj'"),
     obstacle("sequence_with_a_gap", "mesh: body_1.obj, sequence: {fps: 25, frames: 3}",
              {"body_1.obj": BODY, "body_3.obj": BODY},
-             "taut: body_2.obj: no such file, or it may not be read; check its name"),
+             "taut: case.yaml: obstacles.0.mesh: body_2.obj: no such file; paths are relative to the case file"),
     obstacle("sequence_of_other_faces", "mesh: body_1.obj, sequence: {fps: 25, frames: 2}",
              {"body_1.obj": BODY, "body_2.obj": BODY + "v 1 1 -1\nf 2 4 3\n"},
              "taut: body_2.obj: its vertices and faces are not those of body_1.obj; all meshes of a sequence need the "
@@ -211,7 +229,7 @@ MISTAKES = [
           "taut: case.yaml: inextensibility.constrain: vertices is for meshes with triangles; quads and lines "
           "keep warp and weft by their edges: choose edges"),
     added("averages_by_icd", "inextensibility: {constrain: vertices, method: icd}\n",
-          "taut: case.yaml:5:30: inextensibility.constrain: vertices goes with methods fast_projection and "
+          "taut: case.yaml:5:30: inextensibility.constrain: vertices works with methods fast_projection and "
           "newton only; choose one of these, or edges"),
     mesh("triangles_have_no_yarns", SQUARE + "f 1 2 3\nf 1 3 4\n",
          "taut: case.yaml: cloth.material.bending_model: yarn "

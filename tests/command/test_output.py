@@ -122,8 +122,13 @@ class Output(running.Folder):
         again = submit("case.yaml", "--out", "job", "--set", "time.end=0.05")
         self.assertEqual(again[0], 0, again)
         self.assertIn("the run is complete", again[1])
+        self.assertIn("the run is complete", submit("case.yaml", "--out=job")[1])
         self.assertEqual(submit("case.yaml")[0], 2)
-        self.assertEqual(submit()[0], 2)
+        code, _, err = submit()
+        self.assertEqual(code, 2)
+        self.assertIn("It needs sbatch and srun", err)
+        environment["TAUT_LAUNCH"] = "none-such"
+        self.assertIn("none-such: not found; this is a job for Slurm", submit("case.yaml", "--out", "job")[2])
 
     def test_fields_that_nobody_asks_for_are_left_out(self):
         self.assertNotIn("constraints/yarn", self.mesh_of(1, "--set", "output.fields=[position]"))

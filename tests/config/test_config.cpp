@@ -173,6 +173,33 @@ TEST(Config, FabricsAreCloth) {
   EXPECT_NEAR(config::find_fabric("denim")->bending, 78.18e-6, 0.01e-6);
 }
 
+// The numbers themselves are compared by scripts/validate cusick.
+TEST(Config, FabricsDrapeAsIsPublished) {
+  for (const config::Fabric& f : config::fabrics()) {
+    if (f.published.source.empty()) continue;
+    EXPECT_EQ(config::verdict(f), "drapes as published") << f.name;
+    EXPECT_NE(config::fabric_table().find(fmt::format("| `{}` |", f.name)), std::string::npos);
+  }
+  config::Fabric limp = *config::find_fabric("denim");
+  limp.drape = limp.published.low - 1;
+  EXPECT_EQ(config::verdict(limp), "drapes otherwise");
+}
+
+// As sheets of ASTM D1388 and of the Kawabata evaluation system give them.
+TEST(Config, UnitsOfFabricSheetsAreRead) {
+  const auto material = [](const std::string& keys) {
+    return read("cloth: {grid: {size: [40 in, 1], vertices: [2, 2]}, material: {" + keys + "}}").cloths[0];
+  };
+  EXPECT_DOUBLE_EQ(material("density: 120 gsm").grid->size[0], 1.016);
+  for (const char* density : {"120 gsm", "120 g/m2", "120 g/m^2"})
+    EXPECT_DOUBLE_EQ(material(fmt::format("density: {}", density)).material.density, 0.12) << density;
+  for (const char* bending : {"9 uN m", "9 \u00b5N m", "9 \u03bcN m", "9 mN mm", "0.009 mN m"})
+    EXPECT_DOUBLE_EQ(material(fmt::format("bending: {}", bending)).material.bending, 9e-6) << bending;
+  for (const char* bending : {"0.1 gf cm^2/cm", "0.1 gf cm2/cm"})
+    EXPECT_DOUBLE_EQ(material(fmt::format("bending: {}", bending)).material.bending, 9.80665e-6) << bending;
+  EXPECT_NEAR(material("shear: 1 gf/(cm deg)").material.shear, 56.188, 1e-3);
+}
+
 // Writing.
 
 TEST(Config, RoundTrip) {
@@ -358,8 +385,9 @@ TEST(ConfigError, UnknownWord) {
                        "position, velocity, owner_rank, strain, tension, reaction, contact, yarn"));
   EXPECT_EQ(error("cloth: {line: {length: 1, vertices: 2}, fabric: denin}"),
             at("1:49",
-               "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of cotton, wool, "
-               "silk, canvas, denim, polyester, polycotton, interlock, ponte"));
+               "cloth.fabric: unknown word 'denin' (did you mean 'denim'?); choose one of silk, habotai, "
+               "crepe, cotton, poplin, wool, tropical, flannel, denim, canvas, flag, polyester, polycotton, "
+               "interlock, ponte"));
 }
 
 TEST(ConfigError, NotYaml) {
@@ -513,7 +541,7 @@ TEST(ConfigError, MethodsThatDoNotGoWithOtherKeys) {
               word == "fast_projection" || word == "newton")
         << word;
   EXPECT_THAT(error_after_cloth(plane + "time: {integrator: bdf2}\n"),
-              testing::HasSubstr("integrator bdf2 does not go with contact"));
+              testing::HasSubstr("integrator bdf2 does not work with contact"));
 }
 
 TEST(ConfigOverride, SetsValues) {

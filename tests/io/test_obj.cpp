@@ -209,6 +209,31 @@ TEST(ObjParser, CountsLinesThatItDoesNotKnow) {
   EXPECT_EQ(parse_obj(square + "f 1 2 3 4\n", "file.obj").unknown.lines, 0);
 }
 
+TEST(ObjParser, CutsPolygonsIntoTriangles) {
+  const ObjFile file = parse_obj(square + "v -1 0.5 0\nvt 1 2\nf 1 2 3 4 5\nf 1/1 2/1 3/1 4/1\n", "file.obj",
+                                 Polygons::triangulate);
+  const std::vector<std::array<Global, 4>> expected{
+      {0, 1, 2, -1}, {0, 2, 3, -1}, {0, 3, 4, -1}, {0, 1, 2, 3}};
+  ASSERT_EQ(file.cells.size(), expected.size());
+  for (std::size_t c = 0; c < expected.size(); ++c) EXPECT_EQ(file.cells[c].vertices, expected[c]);
+  EXPECT_THAT(file.cell_lines, ElementsAre(7, 7, 7, 8));
+  EXPECT_THAT(parse_error(square + "f 1 2 3 4 4\n"), HasSubstr("more than 4 vertices"));
+}
+
+TEST(ObjParser, DropsVerticesThatNoCellHas) {
+  ObjFile file = parse_obj("v 9 9 9\nv 0 0 0\nv 8 8 8\nv 1 0 0\nv 0 1 0\nf 2 4 5\nl 5 2\n", "file.obj");
+  const Unused unused = drop_unused(file);
+  EXPECT_EQ(unused.vertices, 2);
+  EXPECT_EQ(unused.first_line, 1);
+  EXPECT_EQ(file.positions, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_THAT(file.vertex_lines, ElementsAre(2, 4, 5));
+  EXPECT_EQ(file.cells[0].vertices, (std::array<Global, 4>{0, 1, 2, -1}));
+  EXPECT_EQ(file.cells[1].vertices, (std::array<Global, 4>{2, 0, -1, -1}));
+  ObjFile points = parse_obj(square, "file.obj");
+  EXPECT_EQ(drop_unused(points).vertices, 0); // a start shape may hold places alone
+  EXPECT_EQ(points.positions.size(), 4);
+}
+
 TEST(ObjParser, RefusesWhatIsNotFinite) {
   for (const std::string word : {"nan", "NaN", "inf", "-inf", "1e999"})
     EXPECT_THAT(parse_error("v 0 0 0\nv 0 " + word + " 0\n"),

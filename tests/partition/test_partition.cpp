@@ -164,7 +164,7 @@ TEST_F(FaultyMesh, FlippedFace) {
   EXPECT_THAT(message_for(six_, {{{0, 1, 2, 3}}, {{1, 2, 5, 4}}}),
               testing::StartsWith(
                   "bad.obj:102: this face and the face on line 101 run along the edge between vertices "
-                  "2 and 3 in the same direction"));
+                  "1 and 2 in the same direction"));
 }
 
 TEST_F(FaultyMesh, NonManifoldEdge) {
@@ -174,17 +174,17 @@ TEST_F(FaultyMesh, NonManifoldEdge) {
 
 TEST_F(FaultyMesh, DoubledLine) {
   EXPECT_THAT(message_for({{0, 0, 0}, {1, 0, 0}}, {{{0, 1, -1, -1}}, {{1, 0, -1, -1}}}),
-              testing::HasSubstr("bad.obj:102: the edge between vertices 1 and 2 is there twice"));
+              testing::HasSubstr("bad.obj:102: the edge between vertices 0 and 1 is there twice"));
 }
 
 TEST_F(FaultyMesh, IsolatedVertex) {
   EXPECT_EQ(message_for(six_, {{{0, 1, 2, 3}}}),
-            "bad.obj:5: vertex 5 belongs to no face and no line; remove it");
+            "bad.obj:5: vertex 4 belongs to no face and no line; remove it");
 }
 
 TEST_F(FaultyMesh, ZeroLengthEdge) {
   EXPECT_THAT(message_for({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 2, 3}}}),
-              testing::StartsWith("bad.obj:3: vertex 3 lies exactly on vertex 2 (line 2)"));
+              testing::StartsWith("bad.obj:3: vertex 2 lies exactly on vertex 1 (line 2)"));
 }
 
 // 64 MiB an item, so that few make it; on one rank, where a plan leads to itself.

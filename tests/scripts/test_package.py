@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """The package taut: what it reads of runs, and cases that it changes."""
+import subprocess
+import sys
 import unittest
 
 import numpy as np
@@ -32,6 +34,19 @@ class Package(running.Folder):
         run = Run(self.run_case("result"))
         self.assertEqual(run.case["gravity"], [0, 0, 1])
         self.assertGreater(run.frames[-1].positions[:, 2].mean(), 0.05)
+
+    def test_fields_have_names_and_units(self):
+        run = Run(self.run_case("result"))
+        fields = run.frames[-1].fields
+        self.assertEqual(fields["velocities"], ((121, 3), "m/s"))
+        self.assertEqual(fields["tension"], ((220,), "N"))
+        self.assertEqual(fields["strain"].unit, "")
+        self.assertEqual(run.mesh.fields["constraints/rest_lengths"], ((220,), "m"))
+        said = subprocess.run([sys.executable, "-m", "taut", run.folder], capture_output=True, text=True, check=True)
+        self.assertIn('run.frames[-1]["reactions"]  121 x 3  N\n', said.stdout)
+        self.assertRegex(said.stdout, r"run.steps\[...\] of \d+ steps: step, time_s, dt_s")
+        self.assertEqual(subprocess.run([sys.executable, "-m", "taut", "/none"], capture_output=True,
+                                        check=False).returncode, 1)
 
     def test_a_folder_without_a_run(self):
         run = Run(self.folder)

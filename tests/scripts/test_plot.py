@@ -16,11 +16,12 @@ def plot(*arguments):
     return done.returncode, done.stdout.strip(), done.stderr.strip()
 
 
-def panels(path):
-    """The four quarters of a picture: strain, iterations, energies, seconds."""
+def panels(path, rows=3):
+    """The parts of a picture: strain, iterations, energies, seconds, and with pins their forces."""
     image = matplotlib.image.imread(path)[:, :, :3]
-    y, x = image.shape[0] // 2, image.shape[1] // 2
-    return {"strain": image[:y, :x], "iterations": image[:y, x:], "energies": image[y:, :x], "seconds": image[y:, x:]}
+    y, x = image.shape[0] // rows, image.shape[1] // 2
+    names = ("strain", "iterations", "energies", "seconds", "forces")[:5 if rows == 3 else 4]
+    return {name: image[k // 2 * y:(k // 2 + 1) * y, k % 2 * x:(k % 2 + 1) * x] for k, name in enumerate(names)}
 
 
 def blue(panel):
@@ -29,11 +30,12 @@ def blue(panel):
 
 
 class Plot(running.Folder):
-    def test_draws_all_four(self):
-        run = self.run_case("result")
-        self.assertEqual(plot(run), (0, str(run / "steps.png"), ""))
-        for name, panel in panels(run / "steps.png").items():
-            self.assertGreater(blue(panel), 150, name)
+    def test_draws_all(self):
+        for rows, out, options in ((3, "result", ()), (2, "free", ("--set", "pins=[]"))):
+            run = self.run_case(out, *options)
+            self.assertEqual(plot(run), (0, str(run / "steps.png"), ""))
+            for name, panel in panels(run / "steps.png", rows).items():
+                self.assertGreater(blue(panel), 150 if rows == 3 else 20, name)
 
     def test_draws_what_the_table_holds(self):
         run = self.run_case("result")
