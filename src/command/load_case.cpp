@@ -24,6 +24,7 @@ Case load_case(MPI_Comm comm, const CaseSource& source) {
     return all.str();
   });
   Case input = read_case(text, file, source.overrides);
+  input.petsc = merged_petsc_options(input.petsc, options_of_environment());
   input.petsc = merged_petsc_options(input.petsc, source.petsc);
   add_petsc_options(input.petsc);
   return input;

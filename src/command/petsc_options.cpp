@@ -8,8 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
+#include <iterator>
 #include <sstream>
-#include <vector>
 
 namespace taut::command {
 
@@ -58,6 +59,11 @@ std::vector<std::string> words_of(const std::string& text) {
 }
 
 } // namespace
+
+std::vector<std::string> options_of_environment() {
+  const char* const text = std::getenv("PETSC_OPTIONS");
+  return words_of(text ? text : "");
+}
 
 std::string merged_petsc_options(const std::string& kept, std::span<const std::string> given) {
   std::vector<Option> options;

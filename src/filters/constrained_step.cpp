@@ -1,5 +1,7 @@
 #include "src/filters/constrained_step.hpp"
 
+#include "src/state/told_apart.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -31,8 +33,8 @@ FilterReport ConstrainedStep::solve(std::string_view method,
     const double strain = constraints.evaluate(x);
     if (report.iterations > 0 && strain <= options_.strain && is_settled()) return report;
     if (!std::isfinite(strain) || report.iterations == options_.max_iterations) {
-      report.failure = fmt::format("{} left a strain of {:.3g} after {} iterations (limit {:g})", method,
-                                   strain, report.iterations, options_.strain);
+      report.failure = fmt::format("{} left a strain of {} after {} iterations (limit {:g})", method,
+                                   told_apart(strain, options_.strain), report.iterations, options_.strain);
       return report;
     }
     const SolveReport solved = iterate(strain);

@@ -2,6 +2,7 @@
 
 #include "partition/traffic.hpp"
 #include "src/constraints/bounded_set.hpp"
+#include "src/state/told_apart.hpp"
 
 #include <fmt/format.h>
 
@@ -213,9 +214,9 @@ bool ContactProjection<Set>::ends_after_moving(FilterReport& report) {
   }
   if (iteration_ == options_.contact.max_iterations) {
     const std::string stopped = safe_.what_stopped();
-    report.failure =
-        fmt::format("projection with contact left a strain of {:.4g} (limit {:g}) after {} iterations{}{}",
-                    strain, limit, iteration_, stopped.empty() ? "" : " and was stopped by ", stopped);
+    report.failure = fmt::format(
+        "projection with contact left a strain of {} (limit {:g}) after {} iterations{}{}",
+        told_apart(strain, limit), limit, iteration_, stopped.empty() ? "" : " and was stopped by ", stopped);
     return true;
   }
   timed(report, [&] { safe_.measure_gaps(0); });

@@ -1,6 +1,7 @@
 #include "src/filters/fast_projection.hpp"
 
 #include "src/constraints/projection_options.hpp"
+#include "src/state/told_apart.hpp"
 
 #include <fmt/format.h>
 
@@ -29,8 +30,8 @@ FilterReport FastProjection<Set>::apply(const State& start, double dt, const Fre
     const double strain = set_.evaluate(positions);
     if (strain <= options_.strain && report.iterations > 0) break;
     if (!std::isfinite(strain) || report.iterations == options_.max_iterations) {
-      report.failure = fmt::format("fast projection left a strain of {:.3g} after {} iterations (limit {:g})",
-                                   strain, report.iterations, options_.strain);
+      report.failure = fmt::format("fast projection left a strain of {} after {} iterations (limit {:g})",
+                                   told_apart(strain, options_.strain), report.iterations, options_.strain);
       break;
     }
     const SolveReport solved = set_.solve(forcing(strain, options_.strain));

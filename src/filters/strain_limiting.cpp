@@ -1,5 +1,6 @@
 #include "src/filters/strain_limiting.hpp"
 #include "src/constraints/strain_gauge.hpp"
+#include "src/state/told_apart.hpp"
 
 #include <fmt/format.h>
 
@@ -38,8 +39,8 @@ FilterReport StrainLimiting::sweep_to_limit() {
     if (report.iterations > 0 && strain <= options_.strain) return report;
     if (report.iterations == limiting.max_sweeps && !limiting.must_reach_limit) return report;
     if (!std::isfinite(strain) || report.iterations == limiting.max_sweeps) {
-      report.failure = fmt::format("strain limiting left a strain of {:.3g} after {} sweeps (limit {:g})",
-                                   strain, report.iterations, options_.strain);
+      report.failure = fmt::format("strain limiting left a strain of {} after {} sweeps (limit {:g})",
+                                   told_apart(strain, options_.strain), report.iterations, options_.strain);
       return report;
     }
     if (options_.method == config::InextensibilityMethod::jacobi)

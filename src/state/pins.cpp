@@ -3,6 +3,7 @@
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/config/suggest.hpp"
+#include "src/state/told_apart.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -161,7 +162,9 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
     throw InputError(
         fmt::format("{}: pins: all {} vertices are pinned, so nothing is left to move; pin fewer",
                     input.file.string(), count_));
-  if (config::holds_limit(input)) check_edges(cloth, input);
+  if (!config::holds_limit(input)) return;
+  check_edges(cloth, input);
+  check_reach(cloth, input, outermost(cloth));
 }
 
 /// Distances between points that move along straight lines are largest at keyframes, so it is enough to look
@@ -186,13 +189,36 @@ void Pins::check_edges(const Cloth& cloth, const Case& input) const {
       if (time >= released || time > input.time.end || std::abs(strain) <= limit) continue;
       fault = fmt::format(
           "{}: pins.{} and pins.{} hold the two ends of an edge, vertices {} and {}, and bring it to a "
-          "strain of {:.3g} at {:g} s, beyond the limit {:g}; move them less, or pin only one of the two",
+          "strain of {} at {:g} s, beyond the limit {:g}; move them less, or pin only one of the two",
           input.file.string(), a->pin, b->pin, cloth.mesh.vertices.original[a->vertex],
-          cloth.mesh.vertices.original[b->vertex], strain, time, limit);
+          cloth.mesh.vertices.original[b->vertex], told_apart(strain, limit), time, limit);
       break;
     }
   }
   agree(cloth.mesh.comm, fault);
+}
+
+/// Of each pin that holds fast the first and the last of its vertices, which stand for all: those of a pin
+/// move together. The same on all ranks. Collective.
+std::vector<HeldVertex> Pins::outermost(const Cloth& cloth) const {
+  const IndexMap& map = cloth.mesh.vertices;
+  constexpr Global none = std::numeric_limits<Global>::min();
+  std::vector<HeldVertex> result;
+  for (std::size_t pin = 0; pin < pins_.size(); ++pin)
+    for (const int sign : {-1, 1}) {
+      Global outermost = none;
+      for (const Held& h : held_)
+        if (h.pin == pin && holds_fast(h)) outermost = std::max(outermost, sign * map.original[h.vertex]);
+      outermost = max_over(cloth.mesh.comm, outermost);
+      if (outermost == none) continue;
+      std::array<double, 3> place{};
+      for (const Held& h : held_)
+        if (map.original[h.vertex] == sign * outermost && cloth.mesh.owns_vertex(h.vertex))
+          for (int k = 0; k < 3; ++k) place[k] = h.start[k];
+      sum_in_place(cloth.mesh.comm, place);
+      result.push_back({pin, sign * outermost, Vec3(place[0], place[1], place[2])});
+    }
+  return result;
 }
 
 /// A line or plane turns with its pin: the place of a point of it less that of the vertex itself.

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/state/freedom.hpp"
+#include "src/state/pin_reach.hpp"
 #include "src/state/state.hpp"
 
 #include <optional>
@@ -13,7 +14,8 @@ class Pins {
 public:
   /// Finds the vertices of each pin; `start` holds their start positions (local vertices). Throws InputError,
   /// naming the file and `pins.k`, for a vertex that is not there, a box without vertices, a vertex in two
-  /// pins, pins that leave no vertex free, or pins that bring an edge between them over the strain limit.
+  /// pins, pins that leave no vertex free, or pins that bring an edge between them over the strain limit,
+  /// or vertices farther apart than the cloth between them reaches.
   /// Collective.
   Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start);
 
@@ -38,6 +40,7 @@ private:
     Vec3 start;
   };
   void check_edges(const Cloth& cloth, const Case& input) const;
+  std::vector<HeldVertex> outermost(const Cloth& cloth) const;
   bool holds_fast(const Held& h) const { return !pins_[h.pin].along && !pins_[h.pin].plane; }
   void restrict_motion(const Held& h, double time, Freedom& freedom) const;
 

@@ -1,23 +1,13 @@
 #include "src/time/acceptance.hpp"
 
+#include "src/state/told_apart.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace taut {
-
-namespace {
-
-/// With three digits, or as many as it takes to be seen to differ.
-std::string told_apart(double value, double limit) {
-  int digits = 3;
-  while (digits < 17 && fmt::format("{:.{}g}", value, digits) == fmt::format("{:.{}g}", limit, digits))
-    ++digits;
-  return fmt::format("{:.{}g}", value, digits);
-}
-
-} // namespace
 
 Acceptance::Acceptance(const Cloth& cloth, const Resolved& resolved, std::optional<double> max_stretch_change)
     : cloth_(cloth), constrain_(*resolved.inextensibility.constrain), strain_limit_(resolved.strain_limit),

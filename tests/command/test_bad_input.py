@@ -8,6 +8,7 @@ import os
 import sys
 import unittest
 from typing import NamedTuple
+from unittest import mock
 
 from running import Job, Temporary
 from taut import Run
@@ -281,6 +282,10 @@ MISTAKES = [
            "taut: case.yaml: pins.0 and pins.1 hold the two ends of an edge, vertices 0 and 1, and bring it to a "
            "strain of "
            "0.8 at 0 s, beyond the limit 0.01; move them less, or pin only one of the two"),
+    pinned("pins_pull_apart", "[{vertices: [0]}, {vertices: [4], motion: [{time: 0}, {time: 0.02, translate: [0.5, 0, 0]}]}]",
+           "taut: case.yaml: pins.0 and pins.1 bring vertices 0 and 4 to 1.5 m from each other at 0.02 s, 0.45 m more "
+           "than the cloth between them reaches at its limit of strain (1.05 m); move them less, or let one of them "
+           "go"),
 
     option("set_without_value", "--set time.end",
            "taut: --set time.end: write --set key=value, e.g. --set time.max_step=0.005"),
@@ -477,6 +482,13 @@ class PetscOptions(Folder):
         self.assertEqual(self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9", "--", "-velocity_ksp_rtol", "1e-8",
                                        "-projection_ksp_rtol", "1e-8"), (0, ""))
         self.assertIn("petsc: -velocity_ksp_rtol 1e-8 -projection_ksp_rtol 1e-8\n",
+                      (self.folder / "result/case.yaml").read_text())
+
+    def test_of_the_environment(self):
+        """They are kept, so that a run that is taken up elsewhere has them; the command line has the last word."""
+        with mock.patch.dict(os.environ, PETSC_OPTIONS="-velocity_ksp_rtol 1e-9 -projection_ksp_rtol 1e-9"):
+            self.assertEqual(self.run_case("--", "-velocity_ksp_rtol", "1e-8"), (0, ""))
+        self.assertIn("petsc: -projection_ksp_rtol 1e-9 -velocity_ksp_rtol 1e-8\n",
                       (self.folder / "result/case.yaml").read_text())
 
 

@@ -203,7 +203,7 @@ TYPED_TEST(ConstraintSets, HaveAComplianceWhereNothingCanMove) {
   };
   on_odd_partitions(grid, [&](DistributedMesh mesh) {
     Strained<TypeParam> t(std::move(mesh));
-    t.x = t.cloth.mesh.rest_positions;
+    t.x = t.start.positions = t.cloth.mesh.rest_positions;
     Freedom freedom(t.x.size());
     const auto compliances = [&] {
       t.set.start(t.start, dt, freedom, t.candidate);

@@ -90,7 +90,7 @@ TEST(ContactResume, OnOtherRanksDiffersAsUnbrokenRunsDo) {
   const auto expect_near = [&](const Result& resumed, const Result& forgetful) {
     if (rank_of(world) != 0) return;
     EXPECT_EQ(resumed.steps, unbroken.steps);
-    EXPECT_LE(distance(resumed, unbroken), 2 * left_in_a_step);
+    EXPECT_LE(distance(resumed, unbroken), 3 * left_in_a_step);
     EXPECT_GT(distance(forgetful, unbroken), 8 * left_in_a_step);
   };
   expect_near(go_on(text, 1, folder / "all.h5"), go_on(text, 1, folder / "all.h5", forget));
@@ -98,7 +98,7 @@ TEST(ContactResume, OnOtherRanksDiffersAsUnbrokenRunsDo) {
   const int half = (all() + 1) / 2;
   expect_near(go_on(text, half, folder / "all.h5"), go_on(text, half, folder / "all.h5", forget));
   if (rank_of(world) == 0) {
-    EXPECT_LE(distance(on_one, unbroken), 2 * left_in_a_step);
+    EXPECT_LE(distance(on_one, unbroken), 3 * left_in_a_step);
   }
 }
 

@@ -156,8 +156,8 @@ TEST(Cloths, EnergiesOfOneNameAreOne) {
   Simulation simulation(world, case_of(with_model(two_strips, "isometric")));
   Recorder recorder(simulation);
   run_to_the_end(simulation, recorder);
-  // gravity, bending (of yarns and of folds), shear (by angles and by diagonals), stretch
-  EXPECT_EQ(recorder.records.back().energies.potential.size(), 4u);
+  // gravity, bending (of yarns and of folds), twist, shear (by angles and by diagonals), stretch
+  EXPECT_EQ(recorder.records.back().energies.potential.size(), 5u);
 }
 
 TEST(Cloths, MassesAreOfTheirMaterial) {
