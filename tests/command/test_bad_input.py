@@ -11,7 +11,7 @@ from typing import NamedTuple
 from unittest import mock
 
 from running import Job, Temporary
-from taut import Run
+from taut import Run, launch
 
 LIMIT = 5  # s
 RANKS = int(sys.argv[1]) if len(sys.argv) > 1 else 1
@@ -118,8 +118,8 @@ MISTAKES = [
     added("order_of_a_constraint", "contact: {impulse: {order: contact_first}}",
           "taut: case.yaml:5:20: contact.impulse: is of model impulse only; remove it"),
     option("unknown_fabric", "--set cloth.fabric=denin", "taut: --set cloth.fabric=denin: cloth.fabric: unknown word "
-           "'denin' (did you mean 'denim'?); choose one of cotton, wool, silk, canvas, denim, polyester, polycotton, "
-           "interlock, ponte"),
+           "'denin' (did you mean 'denim'?); choose one of silk, habotai, crepe, cotton, poplin, wool, "
+           "tropical, flannel, denim, canvas, flag, polyester, polycotton, interlock, ponte"),
 
     Mistake("mesh_missing", "taut: case.yaml: cloth.mesh: mesh.obj: no such file; paths are relative to the case file",
             MESH_CASE),
@@ -282,7 +282,8 @@ MISTAKES = [
            "taut: case.yaml: pins.0 and pins.1 hold the two ends of an edge, vertices 0 and 1, and bring it to a "
            "strain of "
            "0.8 at 0 s, beyond the limit 0.01; move them less, or pin only one of the two"),
-    pinned("pins_pull_apart", "[{vertices: [0]}, {vertices: [4], motion: [{time: 0}, {time: 0.02, translate: [0.5, 0, 0]}]}]",
+    pinned("pins_pull_apart",
+           "[{vertices: [0]}, {vertices: [4], motion: [{time: 0}, {time: 0.02, translate: [0.5, 0, 0]}]}]",
            "taut: case.yaml: pins.0 and pins.1 bring vertices 0 and 4 to 1.5 m from each other at 0.02 s, 0.45 m more "
            "than the cloth between them reaches at its limit of strain (1.05 m); move them less, or let one of them "
            "go"),
@@ -486,7 +487,7 @@ class PetscOptions(Folder):
 
     def test_of_the_environment(self):
         """They are kept, so that a run that is taken up elsewhere has them; the command line has the last word."""
-        with mock.patch.dict(os.environ, PETSC_OPTIONS="-velocity_ksp_rtol 1e-9 -projection_ksp_rtol 1e-9"):
+        with mock.patch.dict(launch.ENVIRONMENT, PETSC_OPTIONS="-velocity_ksp_rtol 1e-9 -projection_ksp_rtol 1e-9"):
             self.assertEqual(self.run_case("--", "-velocity_ksp_rtol", "1e-8"), (0, ""))
         self.assertIn("petsc: -projection_ksp_rtol 1e-9 -velocity_ksp_rtol 1e-8\n",
                       (self.folder / "result/case.yaml").read_text())
@@ -495,7 +496,9 @@ class PetscOptions(Folder):
 class Failure(Folder):
     """A step that cannot succeed: exit code 3, the reason told, what was done before kept."""
 
-    PULL = "pins=[{vertices: [0]}, {vertices: [4], motion: [{time: 0}, {time: 1, translate: [0.2, 0, 0]}]}]"
+    # one of them slides, so that before the run nothing tells how far apart they come
+    PULL = ("pins=[{vertices: [0]}, {vertices: [4], along: [0, 1, 0], motion: "
+            "[{time: 0}, {time: 1, translate: [0.2, 0, 0]}]}]")
 
     def test_pins_pulled_apart(self):
         code, stderr = self.run_case("--set", self.PULL, "--set", "time.end=1", limit=60)
