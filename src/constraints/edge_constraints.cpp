@@ -24,8 +24,8 @@ EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibili
                                  double most_compliance, std::vector<char> constrained)
     : cloth_(cloth), constrained_(std::move(constrained)), compliance_(options.compliance.value_or(0.0)),
       most_compliance_(most_compliance), gradients_(cloth.mesh.edges.size(), Vec3::Zero()),
-      values_(cloth.mesh.edges.owned), lengths_(cloth.mesh.edges.owned),
-      scaled_compliance_(cloth.mesh.edges.owned), inverse_mass_(cloth.mesh.vertices.size()) {}
+      values_(cloth.mesh.edges.owned), scaled_compliance_(cloth.mesh.edges.owned),
+      inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void EdgeConstraints::start(double dt, const Freedom& freedom) {
   dt_ = dt;
@@ -49,6 +49,7 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x) {
 }
 
 double EdgeConstraints::evaluate(std::span<const Vec3> x, std::span<const Vec3> start) {
+  lengths_.resize(cloth_.mesh.edges.owned);
   double max = 0;
   for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
     if (!has(e)) continue;
@@ -57,6 +58,7 @@ double EdgeConstraints::evaluate(std::span<const Vec3> x, std::span<const Vec3> 
     const double missing = 1 - d.norm() / l - least_missing, back = -d.dot(was) / (l * l);
     const Vec3 at = d + (std::max(0.0, missing) + std::max(0.0, back)) * was;
     max = std::max(max, linearize(e, d, at));
+    if (cloth_.mesh.owns_edge(e)) lengths_[e] = at.normalized().dot(d);
   }
   return max_over(cloth_.mesh.comm, max);
 }
@@ -66,7 +68,6 @@ double EdgeConstraints::linearize(Local e, const Vec3& d, const Vec3& at) {
   gradients_[e] = (2.0 / l) * at;
   if (!cloth_.mesh.owns_edge(e)) return 0;
   values_[e] = at.dot(2.0 * d - at) / l - l;
-  lengths_[e] = at.normalized().dot(d);
   const double strain = d.norm() / l - 1.0;
   return std::isfinite(strain) ? std::abs(strain) : HUGE_VAL;
 }

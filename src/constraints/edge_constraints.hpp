@@ -54,7 +54,9 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  std::span<const double> lengths() const { return lengths_; } ///< m, of owned edges along their gradients
+  std::span<const double> lengths() const {
+    return lengths_;
+  } ///< m, of owned edges along their gradients, as `start` made them
   const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
   std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held

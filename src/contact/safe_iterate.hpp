@@ -51,7 +51,7 @@ public:
   const Approach& approach_of(std::size_t pair) const { return approaches_[pair]; }
   bool was_stopped() const { return !blocked_.empty(); } ///< in this step, on this rank
   bool was_stopped_by(const Pair& pair) const {
-    return blocked_.contains(name_of(pair, scene_.search.keys()));
+    return was_stopped() && blocked_.contains(name_of(pair, scene_.search.keys()));
   }
 
 private:

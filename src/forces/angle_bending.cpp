@@ -30,10 +30,8 @@ double AngleBending::energy(const State& state) const {
     if (!cloth_.mesh.owns_vertex(t.vertices[0])) continue;
     for (const auto& row : t.rows) {
       double sum = 0;
-      for (std::size_t k = 0; k < 3 && t.folds[k] >= 0; ++k) {
-        const auto fold = std::size_t(t.folds[k]);
-        sum += row[k] * folds_.hinges[fold].length() / folds_.hinges[fold].area * angle[fold];
-      }
+      for (std::size_t k = 0; k < 3 && t.folds[k] >= 0; ++k)
+        sum += weight(t, row, k) * angle[std::size_t(t.folds[k])];
       energy += 0.5 * sum * sum;
     }
   }
@@ -58,11 +56,10 @@ void AngleBending::add_triangle(const TriangleStencil& t, const std::vector<Dihe
     std::array<Vec3, 6> gradient;
     gradient.fill(Vec3::Zero());
     for (std::size_t k = 0; k < 3 && t.folds[k] >= 0; ++k) {
-      const auto fold = std::size_t(t.folds[k]);
-      const double weight = row[k] * folds_.hinges[fold].length() / folds_.hinges[fold].area;
-      moment += weight * bends[fold].angle;
-      for (std::size_t c = 0; c < 4; ++c)
-        gradient[std::size_t(t.place[k][c])] += weight * bends[fold].gradient[c];
+      const Dihedral& bend = bends[std::size_t(t.folds[k])];
+      const double w = weight(t, row, k);
+      moment += w * bend.angle;
+      for (std::size_t c = 0; c < 4; ++c) gradient[std::size_t(t.place[k][c])] += w * bend.gradient[c];
     }
     for (std::size_t k = 0; k < 6; ++k) system.add_force(t.vertices[k], -moment * gradient[k]);
     system.add_rank_one(t.vertices, gradient, 1.0, damping_at(t.vertices[0]));

@@ -30,6 +30,11 @@ public:
 private:
   /// The angle of a fold less that at rest, and its gradient.
   Dihedral bend_of(std::size_t fold, const State& state) const;
+  /// Of the angle over fold k of a triangle in a row of it.
+  double weight(const TriangleStencil& t, const std::array<double, 3>& row, std::size_t k) const {
+    const HingeStencil& f = folds_.hinges[std::size_t(t.folds[k])];
+    return row[k] * f.length() / f.area;
+  }
   double damping_at(Local vertex) const { return damping_.of(cloth_.piece_of(vertex)).value_or(0); }
   void add_triangle(const TriangleStencil& triangle, const std::vector<Dihedral>& bends,
                     StepSystem& system) const;

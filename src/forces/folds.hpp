@@ -37,12 +37,11 @@ struct Rigidity {
 /// another plate (of Poisson ratio -1/3 on equilateral triangles), or none. There are two ways, of which
 /// three quarters and one are taken:
 /// - z = R (p, q, s) with R from the quadratic functions over the patch, so E = A/2 z^T (R D^-1 R^T)^-1 z:
-/// right for
-///   every quadratic function on any mesh, but where a vertex has no mirror image it is pushed out of it, and
-///   the sheet is too soft;
+///   right for every quadratic function on any mesh, but where a vertex has no mirror image it is pushed out
+///   of it, and the sheet is too soft;
 /// - k = sum z_e A_e / 2A n_e n_e^T [Onate and Cervera 1993, from the mean slopes over the sides]: no vertex
-/// is
-///   pushed out of a constant curvature, but where triangles have no mirror image their energy is too large.
+///   is pushed out of a constant curvature, but where triangles have no mirror image their energy is too
+///   large.
 /// Where each two neighbours are mirror images (any affine picture of equilateral triangles) both are the
 /// plate. At a border, what is not told is what costs least. Eigenvalues of the first are bounded by those of
 /// ordinary triangles, for six vertices on one conic do not tell curvatures apart.

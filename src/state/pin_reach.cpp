@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <optional>
 #include <queue>
 
 namespace taut {
@@ -38,16 +37,22 @@ bool extend(const Cloth& cloth, std::span<double> reach) {
   return is_nearer;
 }
 
-/// m along edges between two vertices; infinite if nothing joins them. Collective.
-double way_between(const Cloth& cloth, Global from, Global to) {
+/// m along edges from a vertex to the local ones; infinite where nothing joins them. Collective.
+std::vector<double> ways_from(const Cloth& cloth, Global from) {
   const IndexMap& map = cloth.mesh.vertices;
   std::vector<double> reach(map.size(), HUGE_VAL);
   for (Local i = 0; i < map.size(); ++i)
     if (map.original[i] == from) reach[i] = 0;
   while (any_of(cloth.mesh.comm, extend(cloth, reach))) cloth.mesh.vertex_halo.update(reach);
+  return reach;
+}
+
+/// That of one vertex, on all ranks. Collective.
+double way_to(const Cloth& cloth, Global vertex, std::span<const double> ways) {
+  const IndexMap& map = cloth.mesh.vertices;
   double way = HUGE_VAL;
   for (Local i = 0; i < map.owned; ++i)
-    if (map.original[i] == to) way = reach[i];
+    if (map.original[i] == vertex) way = ways[i];
   return -max_over(cloth.mesh.comm, -way);
 }
 
@@ -71,30 +76,42 @@ std::vector<double> times_of(const Case& input, std::size_t one, std::size_t oth
   return times;
 }
 
-void check_pair(const Cloth& cloth, const Case& input, const HeldVertex& a, const HeldVertex& b) {
-  const double at_start = (a.start - b.start).norm();
-  std::optional<double> most; // m
+/// Whether they come farther apart than they start, where nothing is strained too far.
+bool draw_apart(const Case& input, const HeldVertex& a, const HeldVertex& b) {
+  const std::vector<double> times = times_of(input, a.pin, b.pin);
+  return std::any_of(times.begin(), times.end(), [&](double time) {
+    return distance_at(input, a, b, time) > (a.start - b.start).norm();
+  });
+}
+
+/// `way`: m between them along edges.
+void check_pair(const Case& input, const HeldVertex& a, const HeldVertex& b, double way) {
+  const config::Inextensibility& limits = input.inextensibility;
+  const double most = (1 + limits.strain * std::max(1.0, limits.faces)) * way,
+               at_start = (a.start - b.start).norm();
   for (const double time : times_of(input, a.pin, b.pin)) {
     const double apart = distance_at(input, a, b, time);
-    if (apart <= at_start) continue; // as at the start, where nothing is strained too far
-    const double strain = input.inextensibility.strain * std::max(1.0, input.inextensibility.faces);
-    if (!most) most = (1 + strain) * way_between(cloth, a.vertex, b.vertex);
-    if (apart <= *most) continue;
+    if (apart <= std::max(most, at_start)) continue;
     throw InputError(fmt::format("{}: pins.{} and pins.{} bring vertices {} and {} to {:.4g} m from each "
-                                 "other at {:g} s, {:.3g} m more than "
-                                 "the cloth between them reaches at its limit of strain ({:.4g} m); move "
-                                 "them less, or let one of them go",
+                                 "other at {:g} s, {:.3g} m more than the cloth between them reaches at its "
+                                 "limit of strain ({:.4g} m); move them less, or let one of them go",
                                  input.file.string(), a.pin, b.pin, a.vertex, b.vertex, apart, time,
-                                 apart - *most, *most));
+                                 apart - most, most));
   }
 }
 
 } // namespace
 
 void check_reach(const Cloth& cloth, const Case& input, std::span<const HeldVertex> held) {
-  for (std::size_t i = 0; i < held.size(); ++i)
-    for (std::size_t k = i + 1; k < held.size(); ++k)
-      if (held[i].pin != held[k].pin) check_pair(cloth, input, held[i], held[k]);
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    std::vector<HeldVertex> drawn;
+    for (const HeldVertex& other : held.subspan(i + 1))
+      if (other.pin != held[i].pin && draw_apart(input, held[i], other)) drawn.push_back(other);
+    if (drawn.empty()) continue;
+    const std::vector<double> ways = ways_from(cloth, held[i].vertex);
+    for (const HeldVertex& other : drawn)
+      check_pair(input, held[i], other, way_to(cloth, other.vertex, ways));
+  }
 }
 
 } // namespace taut
