@@ -55,10 +55,12 @@ class Resume(Folder):
                 self.assertEqual(summary(run)["ranks"], after)
 
     def test_stopped_again_and_again(self):
-        whole, run = self.run_case("whole"), self.stop_run("run", 5)
-        for steps in (20, 50, 80):
+        longer = ("--set", "time.end=1.5")  # time for three stops, however late this test sees a step
+        whole, run = self.run_case("whole", *longer), self.stop_run("run", 5, *longer)
+        for _ in range(3):
+            beyond = rows(run) + 10  # so it has taken up its work; before MPI stands a signal would end it
             job = running.Job(self.folder, ("resume", "run"))
-            self.assertTrue(job.wait_for(lambda: rows(run) >= steps))
+            self.assertTrue(job.wait_for(lambda: rows(run) >= beyond))
             os.kill(job.ranks()[0], signal.SIGTERM)
             self.assertEqual(job.end()[0], 4)
         self.assertEqual(self.taut("resume", "run")[0], 0)
