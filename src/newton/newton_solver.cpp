@@ -13,6 +13,7 @@ namespace {
 
 constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
+constexpr double part_of_way = 1e-3; // of what starts from rest; less is lost in what turns
 
 double total_mass(const Cloth& cloth) {
   double sum = 0;
@@ -71,19 +72,19 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   std::fill(solution_.begin(), solution_.end(), 0.0);
   gcr_.start(weights_);
   SolveReport report;
-  for (Goal left{HUGE_VAL, HUGE_VAL}; left.movement > goal.movement || left.strain > goal.strain;) {
+  for (bool is_solved = false; !is_solved;) {
     if (report.iterations == max_iterations) {
       report.failure = "too many iterations";
       break;
     }
     find_direction();
     ++report.iterations;
-    left.movement = rms(as_vectors(direction_));
+    const double movement = rms(as_vectors(direction_));
     if (gcr_.step(direction_, product_, solution_, left_) == 0) {
       report.failure = "no further progress";
       break;
     }
-    left.strain = strain(std::span(left_).subspan(3 * n));
+    is_solved = movement <= allowed_movement(goal) && strain(std::span(left_).subspan(3 * n)) <= goal.strain;
   }
   std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
   cloth_.mesh.vertex_halo.update(dx);
@@ -103,6 +104,15 @@ double NewtonSolver<Set>::rms(std::span<const Vec3> field) const {
   double sum = 0;
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) sum += cloth_.mass[i] * field[i].squaredNorm();
   return std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_);
+}
+
+template<ConstraintSetInNewton Set>
+double NewtonSolver<Set>::allowed_movement(const Goal& goal) {
+  const auto x = as_vectors(solution_);
+  double sum = 0;
+  for (std::size_t i = 0; i < goal.moved.size(); ++i)
+    sum += cloth_.mass[i] * (goal.moved[i] + x[i]).squaredNorm();
+  return std::max(goal.movement, part_of_way * std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_));
 }
 
 /// The largest of the linearised constraints, in parts of the strain limit.

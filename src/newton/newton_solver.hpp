@@ -30,8 +30,10 @@ public:
 
   /// What of the equations may be left, or is.
   struct Goal {
-    double movement; ///< m, by which it would move the cloth: see `movement`
-    double strain;   ///< the part of the strain limit that the linearised constraints may miss
+    double movement; ///< m, by which it would move the cloth: see `movement`; or a thousandth of
+    std::span<const Vec3>
+        moved;     ///< m, owned vertices: how far the cloth has come in the step, and what is found
+    double strain; ///< the part of the strain limit that the linearised constraints may miss
   };
 
   /// Takes the matrix and the set as it was evaluated last. Collective.
@@ -52,6 +54,7 @@ public:
   double rms(std::span<const Vec3> field) const;
 
 private:
+  double allowed_movement(const Goal& goal);
   double strain(std::span<const double> c) const;
   void find_metric();
   void find_direction();

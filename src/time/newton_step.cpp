@@ -36,7 +36,8 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       stiffness_(parts.cloth.mesh), freedom_(parts.cloth.mesh.vertices.size()),
       slots_(edge_slots(parts.cloth.mesh, parts.pattern)), weights_(parts.cloth.mesh.edges.size()),
       added_(weights_), rows_(set_.rows()), change_(rows_), kept_(rows_),
-      residual_(parts.cloth.mesh.vertices.size()), left_(parts.cloth.mesh.vertices.owned), dx_(residual_) {}
+      residual_(parts.cloth.mesh.vertices.size()), left_(parts.cloth.mesh.vertices.owned), dx_(residual_),
+      moved_(left_) {}
 
 template<ConstraintSetInNewton Set>
 StepReport NewtonStep<Set>::propose(const State& state, double dt, Candidate& candidate) {
@@ -132,24 +133,20 @@ double NewtonStep<Set>::unit_of_movement(const StepStart& start, const Candidate
   return std::max(gravity_ * start.dt * start.dt, solver_.rms(dx_));
 }
 
-/// What slows down moves less than gravity would move it, and what solves leave must shrink with that, or the
-/// cloth trembles for ever.
-template<ConstraintSetInNewton Set>
-double NewtonStep<Set>::unit_at_rest(double dt, double unit, const Candidate& candidate) const {
-  constexpr double steps = 3, least = 1e-3; // in which it moves as far; of the unit: what stands still
-  return std::max(steps * dt * solver_.rms(candidate.velocities), least * unit);
-}
-
-/// Whether there is a change to go on from.
+/// Whether there is a change to go on from. What slows down moves less than gravity would move it, and what
+/// solves leave must shrink with that, or the cloth trembles for ever.
 template<ConstraintSetInNewton Set>
 bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepReport& report) {
-  constexpr double part = 0.1, part_of_strain = 0.3; // of what the step may leave: what turns comes on top
+  constexpr double part_of_limit = 0.1, part_of_strain = 0.3; // what turns comes on top
+  constexpr double steps = 3, still = 1e-3; // in which it moves as far; of the unit: what stands still
   stiffen();
   if (has_contacts()) hold_contacts();
   solver_.factor(stiffness_);
-  const double movement = part * options_.residual * std::min(unit, unit_at_rest(dt, unit, candidate));
+  const double part = part_of_limit * options_.residual;
+  for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = dt * candidate.velocities[i];
+  const double movement = part * std::clamp(steps * solver_.rms(moved_), still * unit, unit);
   const SolveReport solved =
-      solver_.solve(left_, rows_, {movement, part_of_strain},
+      solver_.solve(left_, rows_, {movement, moved_, part_of_strain},
                     contact_ ? most_iterations_in_contact : most_iterations, dx_, change_);
   ++report.iterations;
   report.linear_iterations += solved.iterations;

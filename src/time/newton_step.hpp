@@ -52,7 +52,6 @@ private:
   void iterate(const StepStart& start, Candidate& candidate, StepReport& report);
   double project(const StepStart& start, Candidate& candidate, StepReport& report);
   double unit_of_movement(const StepStart& start, const Candidate& candidate);
-  double unit_at_rest(double dt, double unit, const Candidate& candidate) const;
   bool solve(double dt, double unit, Candidate& candidate, StepReport& report);
   void find_residual(double dt, std::span<const Vec3> velocities);
   void stiffen();
@@ -73,11 +72,12 @@ private:
   std::unique_ptr<ContactProjection<Set>> contact_; ///< none without contact
   FilteredOperator stiffness_;
   Freedom freedom_;
-  std::vector<std::int32_t> slots_;        ///< of tension's stiffness, see edge_slots
-  std::vector<double> weights_, added_;    ///< 2 |mu|/l of local edges: now, and in the matrix
-  std::vector<double> rows_, change_;      ///< of owned rows
-  std::vector<double> kept_;               ///< what the step need not correct, of owned rows
-  std::vector<Vec3> residual_, left_, dx_; ///< of owned vertices: with what pins take, without; of local ones
+  std::vector<std::int32_t> slots_;     ///< of tension's stiffness, see edge_slots
+  std::vector<double> weights_, added_; ///< 2 |mu|/l of local edges: now, and in the matrix
+  std::vector<double> rows_, change_;   ///< of owned rows
+  std::vector<double> kept_;            ///< what the step need not correct, of owned rows
+  std::vector<Vec3> residual_, left_;   ///< of owned vertices: with what pins take, without
+  std::vector<Vec3> dx_, moved_;        ///< of local vertices; of owned ones, in the step so far
 };
 
 } // namespace taut
