@@ -1,6 +1,7 @@
 #include "partition/yarns.hpp"
 #include "src/command/command.hpp"
 #include "src/config/cloths.hpp"
+#include "src/config/methods.hpp"
 #include "src/output/checkpoint.hpp"
 #include "src/output/frame_formats.hpp"
 #include "src/output/run_files.hpp"
@@ -46,6 +47,13 @@ std::string describe_materials(const Case& input) {
                         m.shear);
   }
   return text;
+}
+
+std::string describe_method(const Case& input) {
+  const config::Inextensibility& i = input.inextensibility;
+  return fmt::format("  lengths     kept by {}{}\n", config::words_of(i.method)[std::size_t(i.method)],
+                     config::holds_limit(input) ? fmt::format(", strain at most {:.3g} %", 100 * i.strain)
+                                                : "");
 }
 
 /// Of the case as it was run, if it is there.
@@ -144,13 +152,13 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
         cloth_line(config::name_of_cloth(input, k), cloth.pieces[k].vertices, cloth.pieces[k].cells, "cells");
   return fmt::format(
       "{}: case {}\n"
-      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}{}"
+      "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}{}{}"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
       "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
       "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
       file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
       length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, describe_materials(input),
-      -extent[0], extent[3], -extent[1], extent[4], -extent[2], extent[5], yarns,
+      describe_method(input), -extent[0], extent[3], -extent[1], extent[4], -extent[2], extent[5], yarns,
       double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
       length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
       mesh.report.ghosts_max);

@@ -34,12 +34,17 @@ void try_petsc_options(Simulation& simulation, const Case& input, std::span<cons
   if (input.petsc.empty() && given.empty()) return;
   simulation.trial_step();
   const std::string unused = unused_petsc_options(simulation.cloth().mesh.comm);
-  if (!unused.empty())
-    throw InputError(fmt::format(
-        "PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
-        "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or "
-        "-stiffness_",
-        unused));
+  if (unused.empty()) return;
+  if (input.inextensibility.method == config::InextensibilityMethod::newton)
+    throw InputError(
+        fmt::format("PETSc option {}: method newton has no linear solver of PETSc; remove it, or choose "
+                    "inextensibility.method: fast_projection",
+                    unused));
+  throw InputError(fmt::format(
+      "PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
+      "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or "
+      "-stiffness_",
+      unused));
 }
 
 } // namespace taut::command

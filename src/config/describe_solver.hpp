@@ -84,7 +84,9 @@ void check_use(V& v, std::string_view name, bool left_alone, bool used, Inextens
 
 template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
-  v("method", i.method, {.meaning = "how edges keep their lengths; none lets them stretch freely"});
+  v("method", i.method,
+    {.computed_default = "newton; fast_projection with contact, or where velocity, petsc, solver or faces is given",
+     .meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("constrain", i.constrain,
     {.computed_default =
          "vertices on meshes with triangles, with methods fast_projection and newton; else edges",
@@ -121,6 +123,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   const bool projects = is_projection(i.method);
   v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
           "vertices works with methods fast_projection and newton only; choose one of these, or edges");
+  check_use(v, "faces", i.faces == standard.faces, i.method == fast_projection, i.method);
   check_use(v, "solver", i.solver == standard.solver, projects && i.method != newton, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);

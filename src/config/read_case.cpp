@@ -78,6 +78,19 @@ Material initial_material(const Tree& cloth) {
   return material;
 }
 
+/// The method that stands before its key is read: Newton's, unless something asks for what it does not do, or
+/// is dear with: see Case::contact_model for what is contact.
+InextensibilityMethod initial_method(const Tree& root) {
+  const Entry *contact = root.find("contact"), *obstacles = root.find("obstacles"),
+              *keys = root.find("inextensibility");
+  const Entry* model = contact ? contact->value.find("model") : nullptr;
+  const bool has_contact =
+      contact ? !model || model->value.text != "none" : obstacles && !obstacles->value.items.empty();
+  const bool asks = root.find("velocity") || root.find("petsc") ||
+                    (keys && (keys->value.find("solver") || keys->value.find("faces")));
+  return has_contact || asks ? InextensibilityMethod::fast_projection : InextensibilityMethod::newton;
+}
+
 } // namespace
 
 void read(const Spot& spot, Cloth& value) {
@@ -96,6 +109,7 @@ Case read_case(const std::string& text, const std::string& file_name, std::span<
   Case input;
   input.name = default_name(file);
   input.file = file;
+  input.inextensibility.method = initial_method(root);
   const Key whole;
   read(Spot{root, "", whole}, input);
   return input;

@@ -294,7 +294,7 @@ MISTAKES = [
            "taut: --set time.max_stp=1: unknown key 'max_stp' (did you mean 'max_step'?)"),
     option("set_wrong_type", "--set time.end=soon",
            "taut: --set time.end=soon: time.end: expected a number in seconds, or e.g. '10 ms', found 'soon'"),
-    option("petsc_option_unknown", "-- -projection_nonsense 1",
+    option("petsc_option_unknown", "--set inextensibility.method=fast_projection -- -projection_nonsense 1",
            "taut: PETSc option -projection_nonsense: no solver of this case knows it; options start with -velocity_ or "
            "-projection_ (e.g. -projection_ksp_monitor), those of methods icd and sap also with -kkt_ or -stiffness_"),
     option("petsc_word_without_dash", "-- nonsense",
@@ -442,6 +442,14 @@ class Check(Folder):
 
 class PetscOptions(Folder):
     """What PETSc says differs from version to version: the message names the option's group and the word."""
+
+    def run_case(self, *options):
+        return super().run_case("--set", "inextensibility.method=fast_projection", *options)
+
+    def test_newton_has_none(self):
+        code, stderr = super().run_case("--", "-velocity_ksp_rtol", "1e-8")
+        self.assertEqual((code, stderr.count("taut:")), (2, 1))
+        self.assertIn("taut: PETSc option -velocity_ksp_rtol: method newton has no linear solver of PETSc", stderr)
 
     def refused(self, *options):
         code, stderr = self.run_case("--", *options)

@@ -78,7 +78,24 @@ TEST(Config, DefaultsAreThoseOfTheStructs) {
   expected.name = std::string("x");
   expected.file = "cases/x/case.yaml";
   expected.cloths[0].grid = config::Grid{.size = {1, 1}, .vertices = {3, 3}};
+  expected.inextensibility.method = config::InextensibilityMethod::newton;
   EXPECT_EQ(input, expected);
+}
+
+TEST(Config, MethodsAreNewtonsUnlessTheCaseAsksForMore) {
+  using enum config::InextensibilityMethod;
+  const auto method_of = [](const std::string& keys) { return read(grid + keys).inextensibility.method; };
+  EXPECT_EQ(method_of("obstacles: [{sphere: {centre: [0, 0, -1], radius: 0.5}}]"), fast_projection);
+  EXPECT_EQ(method_of("contact: {}"), fast_projection);
+  EXPECT_EQ(method_of("contact: {model: impulse}"), fast_projection);
+  EXPECT_EQ(method_of("obstacles: []"), newton);
+  EXPECT_EQ(method_of("contact: {model: none}\nobstacles: [{sphere: {centre: [0, 0, -1], radius: 0.5}}]"),
+            newton);
+  EXPECT_EQ(method_of("contact: {}\ninextensibility: {method: newton}"), newton);
+  EXPECT_EQ(method_of("inextensibility: {method: icd}"), icd);
+  EXPECT_EQ(method_of("inextensibility: {solver: mumps}"), fast_projection);
+  EXPECT_EQ(method_of("inextensibility: {faces: 3}"), fast_projection);
+  EXPECT_EQ(method_of("velocity: {tolerance: 1e-6}"), fast_projection);
 }
 
 TEST(Config, NameComesFromTheFolder) {
