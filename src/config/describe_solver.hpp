@@ -85,7 +85,8 @@ void check_use(V& v, std::string_view name, bool left_alone, bool used, Inextens
 template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method,
-    {.computed_default = "newton; fast_projection with contact, or where velocity, petsc, solver or faces is given",
+    {.computed_default =
+         "newton; fast_projection with contact, or where velocity, petsc, solver or faces is given",
      .meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("constrain", i.constrain,
     {.computed_default =

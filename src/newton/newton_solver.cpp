@@ -112,7 +112,8 @@ double NewtonSolver<Set>::allowed_movement(const Goal& goal) {
   double sum = 0;
   for (std::size_t i = 0; i < goal.moved.size(); ++i)
     sum += cloth_.mass[i] * (goal.moved[i] + x[i]).squaredNorm();
-  return std::max(goal.movement, part_of_way * std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_));
+  const double way = std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_);
+  return std::clamp(part_of_way * way, goal.least, goal.most);
 }
 
 /// The largest of the linearised constraints, in parts of the strain limit.

@@ -30,10 +30,10 @@ public:
 
   /// What of the equations may be left, or is.
   struct Goal {
-    double movement; ///< m, by which it would move the cloth: see `movement`; or a thousandth of
-    std::span<const Vec3>
-        moved;     ///< m, owned vertices: how far the cloth has come in the step, and what is found
-    double strain; ///< the part of the strain limit that the linearised constraints may miss
+    double least, most; ///< m: by which it would move the cloth (see `movement`); between these, a thousandth
+                        ///< of how far the cloth comes in the step
+    std::span<const Vec3> moved; ///< m, owned vertices: how far it has come before the solve
+    double strain;               ///< the part of the strain limit that the linearised constraints may miss
   };
 
   /// Takes the matrix and the set as it was evaluated last. Collective.

@@ -144,9 +144,9 @@ bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepRe
   solver_.factor(stiffness_);
   const double part = part_of_limit * options_.residual;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = dt * candidate.velocities[i];
-  const double movement = part * std::clamp(steps * solver_.rms(moved_), still * unit, unit);
+  const double least = part * std::clamp(steps * solver_.rms(moved_), still * unit, unit);
   const SolveReport solved =
-      solver_.solve(left_, rows_, {movement, moved_, part_of_strain},
+      solver_.solve(left_, rows_, {least, part * unit, moved_, part_of_strain},
                     contact_ ? most_iterations_in_contact : most_iterations, dx_, change_);
   ++report.iterations;
   report.linear_iterations += solved.iterations;

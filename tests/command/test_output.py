@@ -93,7 +93,7 @@ class Output(running.Folder):
         phases = {}
         for ranks in (1, 3):
             self.taut("run", "case.yaml", "--out", f"c-{ranks}", "--counters", "counters.json", "--set",
-                      "time.end=0.05",
+                      "time.end=0.05", "inextensibility.method=fast_projection",
                       ranks=ranks)
             counted = json.loads((self.folder / "counters.json").read_text())
             self.assertEqual((counted["ranks"], counted["steps"]), (ranks, 10))

@@ -136,7 +136,7 @@ TYPED_TEST(NewtonSolvers, SolveTheWholeSystemOnAnyPartition) {
     t.set.residual(c);
     solver.factor(t.stiffness);
     const std::vector<Vec3> moved(t.bed.cloth.mesh.vertices.owned, Vec3::Zero());
-    const auto report = solver.solve(t.right_hand_side(), c, {1e-6, moved, 1e-2}, 100, dx, dmu);
+    const auto report = solver.solve(t.right_hand_side(), c, {1e-6, 1e-6, moved, 1e-2}, 100, dx, dmu);
     EXPECT_EQ(report.failure, "");
     const auto found = gather<Vec3>(world, t.bed.cloth.mesh.vertices, dx);
     EXPECT_LT(relative_error(found, expected), 1e-3);

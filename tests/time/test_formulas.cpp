@@ -46,7 +46,7 @@ TEST(YarnFactor, IsExactAcrossRanks) {
   Simulation simulation(world, case_of("cloth: {line: {length: 1, vertices: 60}}\n"
                                        "pins: [{vertices: [0]}]\n"
                                        "time: {end: 0.1, frame_rate: 10, max_step: 0.01}\n"
-                                       "inextensibility: {strain: 1e-4}\n"));
+                                       "inextensibility: {method: fast_projection, strain: 1e-4}\n"));
   Recorder recorder(simulation);
   run_to_the_end(simulation, recorder);
   Global projections = 0, iterations = 0;

@@ -61,7 +61,8 @@ TEST(IrregularTriangles, HangAtRestUnderTensionThatStays) {
                             "  mesh: {}\n"
                             "  material: {{density: 0.2, bending: 1e-5, shear: 10, damping: {{mass: 2}}}}\n"
                             "pins: [{{vertices: [132]}}, {{vertices: [143]}}]\n"
-                            "time: {{end: 8, frame_rate: 1, max_step: {}}}\n",
+                            "time: {{end: 8, frame_rate: 1, max_step: {}}}\n"
+                            "inextensibility: {{method: fast_projection}}\n",
                             (folder / "mesh.obj").string(), step));
     Simulation simulation(world, input);
     Tension tension(simulation.cloth().mesh);
