@@ -7,7 +7,7 @@ namespace taut {
 
 void Gcr::start(std::span<const double> weights) {
   weights_.assign(weights.begin(), weights.end());
-  used_ = next_ = 0;
+  used_ = 0;
 }
 
 /// Gram and Schmidt's classical way: one sum over ranks for all.
@@ -30,6 +30,7 @@ void Gcr::orthogonalise(std::span<double> direction, std::span<double> product) 
 
 double Gcr::step(std::span<double> direction, std::span<double> product, std::span<double> x,
                  std::span<double> r) {
+  if (used_ == most_kept) used_ = 0;
   std::array<double, 3> sums{}; // <p, p> as given; then <p, p> and <p, r> of what is new
   for (std::size_t i = 0; i < size_; ++i) sums[0] += weights_[i] * product[i] * product[i];
   orthogonalise(direction, product);
@@ -41,10 +42,8 @@ double Gcr::step(std::span<double> direction, std::span<double> product, std::sp
   constexpr double nothing_new = 1e-10; // single precision keeps no more
   if (!(sums[1] > nothing_new * sums[0])) return 0;
   const double alpha = sums[2] / sums[1], scale = 1 / std::sqrt(sums[1]);
-  if (kept_.size() == next_) kept_.push_back({std::vector<float>(size_), std::vector<float>(size_)});
-  auto& [z, p] = kept_[next_];
-  next_ = (next_ + 1) % most_kept;
-  used_ = std::min(used_ + 1, most_kept);
+  if (kept_.size() == used_) kept_.push_back({std::vector<float>(size_), std::vector<float>(size_)});
+  auto& [z, p] = kept_[used_++];
   for (std::size_t i = 0; i < size_; ++i) {
     x[i] += alpha * direction[i];
     r[i] -= alpha * product[i];

@@ -19,8 +19,8 @@ public:
   void start(std::span<const double> weights);
 
   /// Makes `direction` and `product` orthogonal to those before, then x += alpha direction, r -= alpha
-  /// product; returns alpha, 0 if the direction brings nothing new. Of directions the last
-  /// `most_kept` are kept. Collective.
+  /// product; returns alpha, 0 if the direction brings nothing new. Forgets all directions when it has
+  /// `most_kept`. Collective.
   double step(std::span<double> direction, std::span<double> product, std::span<double> x,
               std::span<double> r);
 
@@ -34,9 +34,9 @@ private:
   void orthogonalise(std::span<double> direction, std::span<double> product);
 
   MPI_Comm comm_;
-  std::size_t size_, used_ = 0, next_ = 0; ///< used_: of what is kept; next_: the place of the next one
+  std::size_t size_, used_ = 0;
   std::vector<double> weights_;
-  std::vector<Kept> kept_; ///< memory is taken when it is first needed
+  std::vector<Kept> kept_; ///< of these the first `used_`; memory is taken when it is first needed
 };
 
 } // namespace taut
