@@ -28,6 +28,15 @@ class Bench(unittest.TestCase):
         for iterative in ("CG, yarns", "CG, ICC(0)", "CG, BoomerAMG"):
             self.assertGreater(int(rows[iterative][1]), 1)
 
+    def test_contact_large(self):
+        done = script("bench", "--contact-large", "--sides", "6", "--end", "0.1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.strip("| ").split(" | ") for line in done.stdout.splitlines() if line.startswith("|")][2:]
+        self.assertEqual([row[0] for row in rows], ["hang", "drape 5 %", "drape 1 %", "sphere-large", "pile"])
+        self.assertEqual([row[1] for row in rows], ["36", "180", "180", "36", "36"])
+        for row in rows:
+            self.assertEqual(row[-1], "0")
+
     def test_baseline(self):
         done = script("bench", "--baseline", "--sides", "11", "--end", "0.3")
         self.assertEqual(done.returncode, 0, done.stderr)
