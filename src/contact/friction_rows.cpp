@@ -27,6 +27,27 @@ Vec3 ContactRows::slip_of(const Contact& contact) const {
   return slip - contact.normal.dot(slip) * contact.normal;
 }
 
+/// The same and what is left of drift, which a step that is short all of a sudden leaves as it is.
+Vec3 ContactRows::to_undo(Local k) const {
+  const Contact& contact = contacts_[k];
+  const Vec3& drift = records_[k]->drift;
+  return slip_of(contact) + (1 - overlap_kept_) * (drift - contact.normal.dot(drift) * contact.normal);
+}
+
+/// Contacts that slide draw the place where they would stick behind them.
+void ContactRows::note_drift() {
+  if (count_ == 0) return;
+  scene_.gather_target();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = contacts_[k];
+    Vec3 drift = records_[k]->drift + slip_of(contact);
+    drift -= contact.normal.dot(drift) * contact.normal;
+    const double length = drift.norm();
+    if (length > anchor_reach_) drift *= anchor_reach_ / length;
+    records_[k]->drifted = scene_.turned(contact.body, drift);
+  }
+}
+
 /// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force for what
 /// pressed it before this iteration. The first is along the force that it would take; the second gets what
 /// that leaves of Coulomb's cone, which is nothing where the contact slides.
@@ -40,7 +61,7 @@ void ContactRows::add_friction_rows(Local k, int iteration) {
         record.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
   const double most = contact.friction * normal_impulse;
   if (most <= 0 && record.impulse.tangent.isZero(0)) return;
-  const Vec3 slip = slip_of(contact);
+  const Vec3 slip = to_undo(k);
   const Vec3 rubbed = record.impulse.tangent;
   const Vec3 needed = rubbed - slip / contact.inverse_effective_mass;
   const Vec3 first = needed.norm() * contact.inverse_effective_mass > 1e-12 ? Vec3(needed.normalized())
