@@ -14,14 +14,14 @@ namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
 constexpr double close = 0.2;    ///< of the thickness, beyond it
-double anchored = getenv("ANCH") ? atof(getenv("ANCH")) : 0.1;
+constexpr double trails = 0.1;   ///< of what a free vertex falls in the longest step: see anchor_reach_
 
 } // namespace
 
 ContactRows::ContactRows(ContactScene& scene, const SafeIterate& safe, const Thickness& thickness,
                          const config::Contact& options, double gravity, double longest_step)
     : scene_(scene), safe_(safe), thickness_(thickness), options_(options), cones_(scene.obstacles()),
-      gravity_(gravity), anchor_reach_(anchored * fall(longest_step)) {}
+      gravity_(gravity), anchor_reach_(trails * fall(longest_step)) {}
 
 /// m that gravity moves a free vertex in a step, at most the smallest thickness.
 double ContactRows::fall(double seconds) const {
