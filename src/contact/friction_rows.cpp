@@ -17,13 +17,16 @@ constexpr double slip_left = 0.03; ///< by a program, of what a free vertex fall
 
 } // namespace
 
-/// m by which the features slip over the step, without what changes their gap.
+/// m by which the features slip over the step, without what changes their gap; as a body sees it that turns,
+/// so that nothing slips that turns with it.
 Vec3 ContactRows::slip_of(const Contact& contact) const {
   const auto from = scene_.start_field(), to = scene_.target_field();
-  Vec3 slip = Vec3::Zero();
-  for (int i = 0; i < 4; ++i)
+  Vec3 before = Vec3::Zero(), slip = before; // from the one to the other
+  for (int i = 0; i < 4; ++i) {
+    before += contact.weights[i] * from[contact.vertices[i]];
     slip += contact.weights[i] * (to[contact.vertices[i]] - from[contact.vertices[i]]);
-  slip -= scene_.spin(contact.body, contact.normal);
+  }
+  slip -= scene_.spin(contact.body, before);
   return slip - contact.normal.dot(slip) * contact.normal;
 }
 
