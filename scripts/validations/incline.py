@@ -84,8 +84,8 @@ def judge(rows):
     checks = []
     for row in rows:
         side = "beyond" if row["beyond_deg"] > 0 else "below"
-        name = f"{row['plane']}, friction {row['friction']:g}, {abs(row['beyond_deg']):g} degrees {side} Coulomb's angle, "
-        name += f"steps of {1000 * row['step_s']:g} ms"
+        name = f"{row['plane']}, friction {row['friction']:g}, {abs(row['beyond_deg']):g} degrees {side} Coulomb's "
+        name += f"angle, steps of {1000 * row['step_s']:g} ms"
         if row["beyond_deg"] > 0:
             expected = of_coulomb(row["friction"], angle_of(row))
             checks.append(Check(f"acceleration, {name}", "m/s^2", expected, 1e-3 / SHORT + 0.01 * expected,

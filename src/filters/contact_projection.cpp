@@ -48,7 +48,8 @@ template<ConstraintSet Set>
 ContactProjection<Set>::ContactProjection(const Cloth& cloth, const Obstacles& obstacles, Thickness thickness,
                                           const ContactProjectionOptions& options)
     : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles),
-      safe_(scene_, thickness_), rows_(scene_, safe_, thickness_, options_.contact, options.gravity, options.longest_step),
+      safe_(scene_, thickness_),
+      rows_(scene_, safe_, thickness_, options_.contact, options.gravity, options.longest_step),
       foreseen_(scene_), alone_(cloth, options.limits),
       set_(cloth, options.limits, ConstraintUse::with_contact), qp_(cloth, scene_.search) {}
 

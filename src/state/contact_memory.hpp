@@ -26,14 +26,12 @@ struct ContactImpulse {
 };
 
 struct ContactEntry {
-  ContactImpulse pressed; ///< N, by the last step
-  ContactImpulse carried; ///< N, what of it is in State::contact_force
+  ContactImpulse pressed;    ///< N, by the last step
+  ContactImpulse carried;    ///< N, what of it is in State::contact_force
   Vec3 drift = Vec3::Zero(); ///< m, from where they stick to each other to where they are
 
   /// A part of the forces; the drift is the same for each.
-  ContactEntry scaled(double factor) const {
-    return {pressed.scaled(factor), carried.scaled(factor), drift};
-  }
+  ContactEntry scaled(double factor) const { return {pressed.scaled(factor), carried.scaled(factor), drift}; }
   /// The drift is the mean of both, by what pressed them.
   ContactEntry& operator+=(const ContactEntry& other);
 };
