@@ -30,7 +30,7 @@ double BoundedSet<Set>::strain(std::span<const Vec3> x) const {
 template<ConstraintSet Set>
 SolveReport BoundedSet<Set>::solve(double tolerance) {
   if (bounds_.any()) return solve_matrix_free(cloth_.mesh, *this, tolerance);
-  bounds_.take({});
+  bounds_.add({});
   return set_.solve(tolerance);
 }
 
@@ -91,7 +91,7 @@ void BoundedSet<Set>::subtract_difference(std::span<const Vec3> u, std::span<dou
 template<ConstraintSet Set>
 void BoundedSet<Set>::add(std::span<const double> z) {
   set_.add(of_set(z));
-  bounds_.take(of_bounds(z));
+  bounds_.add(of_bounds(z));
 }
 
 template class BoundedSet<MetricSet>;

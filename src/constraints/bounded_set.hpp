@@ -24,6 +24,10 @@ public:
   Vec3 displacement(Local vertex) const { return set_.displacement(vertex) + bounds_.displacement(vertex); }
 
   std::size_t rows() const { return set_.rows() + bounds_.rows(); }
+  std::size_t equations() const { return set_.rows(); }
+  void program_bounds(std::span<double> lower, std::span<double> upper) const {
+    bounds_.program_bounds(lower, upper);
+  }
   std::span<const double> program_compliance() const { return compliance_; }
   void keep_strain(double part) {
     set_.keep_strain(part);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <vector>
 
 namespace taut {
 
@@ -105,6 +106,24 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   { fixed.inverse_mass() } -> std::convertible_to<std::span<const double>>; ///< of local vertices, 0 if held
   { fixed.freedom() } -> std::same_as<const Freedom&>;
 };
+
+/// A set whose rows behind the first `equations()` are one-sided: increments of their multipliers have bounds.
+template<class S>
+concept OneSidedSet = ConstraintSet<S> && requires(const S& fixed, std::span<double> rows) {
+  { fixed.equations() } -> std::convertible_to<std::size_t>;
+  fixed.program_bounds(rows, rows);
+};
+
+/// How many rows of a set are equations; the rest have `lower` and `upper`.
+template<ConstraintSet Set>
+std::size_t bound_rows(const Set& set, std::vector<double>& lower, std::vector<double>& upper) {
+  std::size_t equations = set.rows();
+  if constexpr (OneSidedSet<Set>) equations = set.equations();
+  lower.resize(set.rows() - equations);
+  upper.resize(lower.size());
+  if constexpr (OneSidedSet<Set>) set.program_bounds(lower, upper);
+  return equations;
+}
 
 /// What Newton's method on the whole step asks of a set besides.
 template<class S>

@@ -105,7 +105,7 @@ void MetricSet::take_compliances() {
 /// Of a vertex; alone, if it is held, the largest of its neighbours.
 double MetricSet::inverse_mass_around(Local vertex) const {
   double result = inverse_mass_[vertex];
-  if (result > 0 || use_ != ConstraintUse::alone) return result;
+  if (result > 0) return result;
   for (const EdgeEnd& end : cloth_.mesh.star_of(vertex)) result = std::max(result, inverse_mass_[end.other]);
   return result;
 }

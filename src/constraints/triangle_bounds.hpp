@@ -43,29 +43,35 @@ public:
   std::span<const double> compliance() const { return compliance_; }
   void residual(std::span<double> rows) const;
   void program_residual(std::span<double> rows) const;
-  void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
+  /// What a part of the room between targets and the bound is for each row.
+  void program_tolerance(double part_of_room, std::span<double> tolerance) const;
+  /// Of increments of mu: a row pulls in or pushes out, never the other way.
+  void program_bounds(std::span<double> lower, std::span<double> upper) const;
   void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const;
   /// field -= J^T z on owned vertices. Collective over neighbours.
   void spread(std::span<const double> z, std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows) const;
-  /// Takes d_mu, for `displacement`: W J^T d_mu at an owned vertex. Collective over neighbours.
-  void take(std::span<const double> d_mu);
+  /// mu += d_mu, for `displacement`: W J^T d_mu at an owned vertex. Collective over neighbours.
+  void add(std::span<const double> d_mu);
   Vec3 displacement(Local vertex) const;
 
 private:
   /// Of an owned triangle along warp or weft.
   struct Direction {
     TangentStencil stencil;
-    double scale; ///< s, m
+    double scale;  ///< s, m
+    double mu = 0; ///< of the step so far
   };
   struct Row {
-    const Direction* of;
+    Direction* of;
     Vec3 gradient; ///< 2 s w, times c the derivative by a vertex
     double length; ///< |w|
     double target; ///< t
+    double side;   ///< 1 if it is stretched, -1 if pressed
   };
-  double target(const Direction& direction, double length) const;
+  double most() const;
+  double side(const Direction& direction, double length) const;
   void pull(std::span<const double> z);
 
   const Cloth& cloth_;
