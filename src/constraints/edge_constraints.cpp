@@ -21,9 +21,9 @@ Vec3 edge_vector(const Cloth& cloth, std::span<const Vec3> x, Local edge) {
 } // namespace
 
 EdgeConstraints::EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                                 double most_compliance, std::vector<char> constrained)
+                                 const ComplianceBounds& bounds, std::vector<char> constrained)
     : cloth_(cloth), constrained_(std::move(constrained)), compliance_(options.compliance.value_or(0.0)),
-      most_compliance_(most_compliance), gradients_(cloth.mesh.edges.size(), Vec3::Zero()),
+      bounds_(bounds), gradients_(cloth.mesh.edges.size(), Vec3::Zero()),
       values_(cloth.mesh.edges.owned), scaled_compliance_(cloth.mesh.edges.owned),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
@@ -35,7 +35,7 @@ void EdgeConstraints::start(double dt, const Freedom& freedom) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[e];
     const double asked = 4.0 * cloth_.rest_length[e] * compliance_ / (dt * dt);
     const double yields = 4.0 * (inverse_mass_[a] + inverse_mass_[b]); // J W J^T of an edge at its length
-    scaled_compliance_[e] = bounded_compliance(asked, yields, most_compliance_);
+    scaled_compliance_[e] = std::min(asked, bounds_.part * yields);
   }
 }
 
@@ -84,7 +84,7 @@ double EdgeConstraints::strain(std::span<const Vec3> x) const {
 
 void EdgeConstraints::residual(std::span<const double> mu, std::span<double> c) const {
   for (std::size_t e = 0; e < values_.size(); ++e)
-    c[e] = can_change(Local(e)) ? values_[e] - scaled_compliance_[e] * mu[e] : 0.0;
+    c[e] = can_change(Local(e)) ? values_[e] - yield_to(mu[e], Local(e)).length : 0.0;
 }
 
 bool EdgeConstraints::can_change(Local edge) const {
