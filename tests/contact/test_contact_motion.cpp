@@ -142,6 +142,7 @@ TEST(ContactProjection, WithoutContactIsFastProjectionToTheLastDigit) {
   const std::string scene =
       "cloth: {grid: {size: [1, 1], vertices: [9, 9]}, start: {translate: [0, 0, 5]}}\n"
       "pins: [{vertices: [0]}, {vertices: [8], motion: [{time: 0}, {time: 0.1, translate: [0.005, 0, 0]}]}]\n"
+      "inextensibility: {method: fast_projection}\n"
       "time: {end: 0.2, frame_rate: 10, max_step: 0.01}\n";
   Simulation plain(world, case_of(scene));
   Recorder expected(plain);
