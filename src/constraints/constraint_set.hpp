@@ -118,7 +118,8 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   { fixed.freedom() } -> std::same_as<const Freedom&>;
 };
 
-/// A set whose rows behind the first `equations()` are one-sided: increments of their multipliers have bounds.
+/// A set whose rows behind the first `equations()` are one-sided: increments of their multipliers have
+/// bounds.
 template<class S>
 concept OneSidedSet = ConstraintSet<S> && requires(const S& fixed, std::span<double> rows) {
   { fixed.equations() } -> std::convertible_to<std::size_t>;

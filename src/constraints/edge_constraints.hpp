@@ -38,8 +38,8 @@ public:
   /// The same strain alone. Collective.
   double strain(std::span<const Vec3> x) const;
 
-  /// C less what edges yield to mu (a mu, see Yield), of owned edges; 0 of those that no motion changes, as between two held vertices. Not
-  /// collective.
+  /// C less what edges yield to mu (a mu, see Yield), of owned edges; 0 of those that no motion changes, as
+  /// between two held vertices. Not collective.
   void residual(std::span<const double> mu, std::span<double> c) const;
 
   /// Of J^T mu the part of a vertex in the directions in which it may move, for gradients that may be those
@@ -53,9 +53,7 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  std::span<const double> lengths() const {
-    return lengths_;
-  } ///< m, of owned edges along their gradients, as `start` made them
+  std::span<const double> lengths() const { return lengths_; } ///< m, of owned edges along their gradients
   const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
   std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
@@ -72,7 +70,8 @@ public:
   bool has(Local edge) const { return constrained_.empty() || constrained_[edge] != 0; }
 
 private:
-  /// At the edge vector `at`, for one that is `d`; returns the |strain| of an owned edge.
+  template<class At>
+  double linearize_all(std::span<const Vec3> x, const At& at);
   double linearize(Local edge, const Vec3& d, const Vec3& at);
 
   const Cloth& cloth_;

@@ -8,9 +8,10 @@ namespace taut {
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
                  std::vector<char> constrained)
-    : constraints_(cloth, options, compliance_bounds(options, use), std::move(constrained)), options_(options),
-      use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
-      slopes_(cloth.mesh.edges.owned), program_compliance_(cloth.mesh.edges.owned) {}
+    : constraints_(cloth, options, compliance_bounds(options, use), std::move(constrained)),
+      options_(options), use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()), slopes_(cloth.mesh.edges.owned),
+      program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
     : constraints_(cloth, options, compliance_bounds(options, use)), options_(options), use_(use),
@@ -95,8 +96,8 @@ void EdgeSet::program_residual(std::span<double> residual) const {
       const double most = most_kept * options_.strain * l;
       kept = strain_kept_ * std::clamp((start_->positions[b] - start_->positions[a]).norm() - l, -most, most);
     }
-    residual[e] = constraints_.gradients()[e].norm() * (length - l - kept) -
-                  constraints_.yield_to(mu_[e], e).length;
+    residual[e] =
+        constraints_.gradients()[e].norm() * (length - l - kept) - constraints_.yield_to(mu_[e], e).length;
   }
 }
 

@@ -11,10 +11,10 @@
 namespace taut {
 
 MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : cloth_(cloth), options_(options), use_(use), bounds_(compliance_bounds(options, use)), metric_(cloth), inverse_mass_(cloth.mesh.vertices.size()),
-      gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned, Vec2::Zero()),
-      residual_(metrics_), scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
-      edge_values_(cloth.mesh.edges.size()) {
+    : cloth_(cloth), options_(options), use_(use), bounds_(compliance_bounds(options, use)), metric_(cloth),
+      inverse_mass_(cloth.mesh.vertices.size()), gradients_(cloth.mesh.edges.size()),
+      metrics_(cloth.mesh.vertices.owned, Vec2::Zero()), residual_(metrics_), scaled_compliance_(metrics_),
+      change_(cloth.mesh.vertices.size()), mu_(change_), edge_values_(cloth.mesh.edges.size()) {
   for (Local i = 0; i < cloth.mesh.vertices.size(); ++i)
     scale_.push_back(metric_.has(i) ? std::sqrt(metric_.area(i)) : 1.0);
   find_columns();
@@ -97,8 +97,7 @@ bool MetricSet::can_change(Local vertex) const {
 
 void MetricSet::take_compliances() {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-    for (int k = 0; k < 2; ++k)
-      scaled_compliance_[i][k] = can_change(i) ? yield_at(i, mu_[i][k]).slope : 1.0;
+    for (int k = 0; k < 2; ++k) scaled_compliance_[i][k] = can_change(i) ? yield_at(i, mu_[i][k]).slope : 1.0;
 }
 
 /// Of warp or weft at an owned vertex.

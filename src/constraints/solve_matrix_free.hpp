@@ -24,8 +24,9 @@ void multiply_matrix_free(const DistributedMesh& mesh, Set& set, std::span<const
   set.subtract_difference(push, product);
 }
 
-/// What ConstraintSet::solve asks, for a set whose rows have no matrix: conjugate gradients (BoundedQp) on J W J^T + a, as the set's spread, difference and precondition make them, until no row
-/// has more left than `tolerance` times the largest at the start. The change is added to the set. Collective.
+/// What ConstraintSet::solve asks, for a set whose rows have no matrix: conjugate gradients (BoundedQp) on J
+/// W J^T + a, as the set's spread, difference and precondition make them, until no row has more left than
+/// `tolerance` times the largest at the start. The change is added to the set. Collective.
 template<class Set>
 SolveReport solve_matrix_free(const DistributedMesh& mesh, Set& set, double tolerance) {
   constexpr int most_products = 1000;

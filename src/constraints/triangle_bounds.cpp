@@ -9,10 +9,10 @@ namespace taut {
 
 namespace {
 
-constexpr double near_bound = 0.5;                         ///< part of it from which triangles have rows
+constexpr double near_bound = 0.5;                        ///< part of it from which triangles have rows
 constexpr double most_of_bound = 0.6, all_of_bound = 0.9; ///< between which targets are
 constexpr double nearly_all_of_bound = 0.97;              ///< the latter of very short steps
-constexpr double far = 10;                                 ///< limits of the averages, from where none has
+constexpr double far = 10;                                ///< limits of the averages, from where none has
 
 /// Of what a row yields: triangles that share sides depend on one another, and on the averages.
 constexpr double softness = 0.005;

@@ -10,11 +10,11 @@ namespace taut {
 std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local> cells);
 
 /// Bounds of what single triangles may strain where averages are kept (AveragedMetric), |w| in [1 - b, 1 + b]
-/// along warp and weft, as rows beside those of a set. Only triangles that strain by more than most of b have
-/// rows, which take them back there: C = s (|w|^2 - t^2), with s the root of the triangle's area and t = 1 +-
-/// 0.6 b; or where the triangle was at the start of the step, if it was strained more, for to take it back
-/// farther would throw the cloth about. Such a row can only be wrong by what the other rows do for it; then
-/// it is gone in the next iteration, and so its force is not carried from step to step.
+/// along warp and weft, as one-sided rows beside those of a set. Triangles that strain by more than half of b
+/// have rows: C = s (|w|^2 - t^2), with s the root of the triangle's area, which is to be at most 0 where it
+/// is stretched, at least 0 where it is pressed. The target t is 1 +- 0.6 b; or where the triangle was at the
+/// start of the step, if it was strained more, for to take it back farther would throw the cloth about. The
+/// multipliers of these rows start from nothing in every step.
 ///
 /// While the averages themselves are far from their limit, there are no rows: most of what triangles strain
 /// is then the averages' to correct.
