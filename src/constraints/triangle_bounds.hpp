@@ -75,7 +75,7 @@ private:
   void pull(std::span<const double> z);
 
   const Cloth& cloth_;
-  double limit_, bound_; ///< of averages; b
+  double bound_; ///< b
   std::vector<Direction> directions_;
   std::span<const Vec3> start_; ///< of the step, m
   std::span<const double> inverse_mass_;
