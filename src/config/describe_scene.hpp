@@ -188,6 +188,10 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::second,
      .range = positive,
      .meaning = "time by which all seams must have closed; those that have not are named"});
+  v("growth", s.growth,
+    {.unit = Unit::second,
+     .range = positive,
+     .meaning = "in which bodies, slim until all seams are closed, grow to their size in the garment"});
   v("damping", s.damping,
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,

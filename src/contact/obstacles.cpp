@@ -4,6 +4,7 @@
 #include "src/config/require_file.hpp"
 #include "src/config/up.hpp"
 #include "src/contact/closest.hpp"
+#include "src/contact/slim_body.hpp"
 #include "src/contact/union_mesh.hpp"
 #include "src/state/pins.hpp"
 
@@ -103,6 +104,7 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
     bodies_.push_back({name_of(o, body), inside + o.thickness, o.friction.value_or(contact.friction),
                        o.sphere || o.capsule});
     add(comm, input, body);
+    if (o.growth) make_slim(comm, body);
   }
 }
 
@@ -176,6 +178,26 @@ void Obstacles::add_union(MPI_Comm comm, const Case& input, int body) {
   add_triangles(triangles, body);
 }
 
+/// Of all triangles of the body, which is there already.
+void Obstacles::make_slim(MPI_Comm comm, int body) {
+  const auto of_body = std::find(body_of_.begin(), body_of_.end(), body);
+  const auto first = Local(of_body - body_of_.begin());
+  std::vector<std::array<Local, 3>> triangles;
+  for (const Element& e : elements_)
+    if (e.body == body && e.is_triangle())
+      triangles.push_back({e.vertices[0] - first, e.vertices[1] - first, e.vertices[2] - first});
+  const auto ways = ways_to_slim(comm, std::span(start_).subspan(std::size_t(first)), triangles);
+  slim_.resize(std::size_t(first), Vec3::Zero());
+  slim_.insert(slim_.end(), ways.begin(), ways.end());
+}
+
+double Obstacles::slimness(int body, double time) const {
+  const auto& growth = inputs_[body].growth;
+  if (!growth) return 0;
+  const double s = std::clamp(time / *growth, 0.0, 1.0);
+  return 1 - s * s * (3 - 2 * s);
+}
+
 void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
   const config::Obstacle& o = inputs_[body];
   std::vector<WholeMesh> meshes = meshes_of(comm, input, body);
@@ -229,7 +251,9 @@ void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, i
 
 bool Obstacles::all_rest() const {
   return std::all_of(inputs_.begin(), inputs_.end(),
-                     [](const config::Obstacle& o) { return o.motion.empty() && !o.sequence; });
+                     [](const config::Obstacle& o) {
+    return o.motion.empty() && !o.sequence && !(o.growth && std::isfinite(*o.growth));
+  });
 }
 
 Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
@@ -271,8 +295,11 @@ std::vector<Mat3> Obstacles::spins(double from, double to) const {
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
   for (Local v = 0; v < vertices(); ++v) {
-    const auto frames = frames_.find(body_of_[v]);
-    positions[v] = moved(body_of_[v], frames == frames_.end() ? start_[v] : frames->second.at(v, time), time);
+    const int body = body_of_[v];
+    const auto frames = frames_.find(body);
+    Vec3 start = frames == frames_.end() ? start_[v] : frames->second.at(v, time);
+    if (inputs_[body].growth) start += slimness(body, time) * slim_[v];
+    positions[v] = moved(body, start, time);
   }
 }
 

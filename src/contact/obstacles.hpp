@@ -71,6 +71,8 @@ private:
 
     Vec3 at(Local vertex, double time) const;
   };
+  void make_slim(MPI_Comm comm, int body);
+  double slimness(int body, double time) const; ///< 1: as slim as can be, 0: full
   void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
   void add_union(MPI_Comm comm, const Case& input, int body);
@@ -85,6 +87,7 @@ private:
   std::vector<Element> elements_;
   std::vector<Plane> planes_;
   std::map<int, Frames> frames_; ///< of bodies that have a sequence
+  std::vector<Vec3> slim_;       ///< m, see ways_to_slim; of the vertices of bodies that grow
 };
 
 } // namespace taut
