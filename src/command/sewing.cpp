@@ -1,8 +1,10 @@
 #include "src/command/sewing.hpp"
 
+#include "src/command/garment_lift.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
 #include "src/command/start_contact.hpp"
+#include "src/config/cloths.hpp"
 #include "src/garment/load_garment.hpp"
 #include "src/garment/write_mesh.hpp"
 
@@ -83,6 +85,15 @@ void make_mesh(config::Obstacle& o) {
   o.capsule.reset();
 }
 
+/// Folds of cloth take some room where a body faces itself.
+void give_room(Case& input) {
+  constexpr double room = 0.8; // edges
+  double finest = HUGE_VAL;    // m
+  for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
+  for (config::Obstacle& o : input.obstacles)
+    if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
+}
+
 /// What both stages have: no motion but that of sewing.
 Case in_peace(Case input) {
   const config::Sewing& sewing = *input.sewing;
@@ -127,7 +138,10 @@ Case sewing_case(const Case& input) {
 Case fitting_case(const Case& input, const fs::path& out) {
   Case stage = with_meshes_after(SewingStage::sewing, in_peace(input), out);
   stage.time.end = input.sewing->growth;
-  stage.gravity = input.sewing->gravity;
+  // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.
+  constexpr double sinking = 0.06, damping = 15; // m/s, 1/s
+  stage.gravity = sinking * damping * input.gravity.stableNormalized();
+  for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
   stage.sewing.reset();
   let_grow(stage, input.sewing->growth);
   return stage;
@@ -171,6 +185,22 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
   return clear_start(simulation, stage, fs::path(out) += ".findings.vtp");
 }
 
+/// With every garment where its seams pass the bodies.
+Case lifted(MPI_Comm comm, Case input) {
+  give_room(input);
+  const Simulation simulation(comm, sewing_case(input));
+  check_place(input, simulation);
+  const std::vector<double> lifts = lifts_of(simulation);
+  for (std::size_t k = 0; k < lifts.size(); ++k) {
+    if (lifts[k] == 0) continue;
+    input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
+    if (rank_of(comm) == 0)
+      fmt::print("{}: {} starts {:.3g} cm {}, where its seams pass the bodies\n", input.name,
+                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]), lifts[k] > 0 ? "higher" : "lower");
+  }
+  return input;
+}
+
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
@@ -190,11 +220,11 @@ Case case_of(SewingStage stage, const Case& input, const fs::path& out) {
   return stage == SewingStage::sewing ? sewing_case(input) : fitting_case(input, out);
 }
 
-int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, const StopSignal& stop,
+int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
+  const Case input = lifted(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
-  check_place(input, simulation);
   try_petsc_options(simulation, input, options.source.petsc);
   if (!clear_start(simulation, stage, fs::path(options.out) += ".findings.vtp")) return step_failure;
   make_run_folder(comm, options.out, input.file);

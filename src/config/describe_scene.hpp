@@ -160,6 +160,12 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v("up", o.up, {.meaning = "axis that points up in the mesh file; y is turned to z, as of `cloth`"});
   v("start", o.start, {.meaning = "where it starts, moved as `cloth.start` moves cloth"});
   v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
+  v("room", o.room,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "with `sewing` 0.8 edges of the finest pattern; otherwise the mesh is as given",
+     .meaning = "of a mesh: what parts of it that face each other, as in armpits, leave between them; they give "
+                "way by what is missing"});
   v("friction", o.friction,
     {.range = not_negative,
      .computed_default = "`contact.friction`",

@@ -6,6 +6,7 @@
 #include "src/contact/closest.hpp"
 #include "src/contact/slim_body.hpp"
 #include "src/contact/union_mesh.hpp"
+#include "src/contact/yielding_body.hpp"
 #include "src/state/pins.hpp"
 
 #include <Eigen/Geometry>
@@ -104,6 +105,7 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
     bodies_.push_back({name_of(o, body), inside + o.thickness, o.friction.value_or(contact.friction),
                        o.sphere || o.capsule});
     add(comm, input, body);
+    if (o.room) make_room(body);
     if (o.growth) make_slim(comm, body);
   }
 }
@@ -178,16 +180,36 @@ void Obstacles::add_union(MPI_Comm comm, const Case& input, int body) {
   add_triangles(triangles, body);
 }
 
-/// Of all triangles of the body, which is there already.
-void Obstacles::make_slim(MPI_Comm comm, int body) {
-  const auto of_body = std::find(body_of_.begin(), body_of_.end(), body);
-  const auto first = Local(of_body - body_of_.begin());
+std::vector<std::array<Local, 3>> Obstacles::triangles_of(int body) const {
+  const Local first = first_of(body);
   std::vector<std::array<Local, 3>> triangles;
   for (const Element& e : elements_)
     if (e.body == body && e.is_triangle())
       triangles.push_back({e.vertices[0] - first, e.vertices[1] - first, e.vertices[2] - first});
-  const auto ways = ways_to_slim(comm, std::span(start_).subspan(std::size_t(first)), triangles);
-  slim_.resize(std::size_t(first), Vec3::Zero());
+  return triangles;
+}
+
+/// The body, the last so far, is there already.
+void Obstacles::make_room(int body) {
+  const auto triangles = triangles_of(body);
+  const auto yield = [&](std::span<Vec3> positions) {
+    const std::vector<Vec3> ways = ways_to_room(positions, triangles, *inputs_[body].room);
+    for (std::size_t v = 0; v < ways.size(); ++v) {
+      positions[v] += ways[v];
+      bodies_[body].yields = std::max(bodies_[body].yields, ways[v].norm());
+    }
+    return std::count_if(ways.begin(), ways.end(), [](const Vec3& w) { return !w.isZero(); });
+  };
+  bodies_[body].yielding = yield(std::span(start_).subspan(std::size_t(first_of(body))));
+  if (const auto frames = frames_.find(body); frames != frames_.end())
+    for (auto& positions : frames->second.positions) yield(positions);
+}
+
+/// The body, the last so far, is there already.
+void Obstacles::make_slim(MPI_Comm comm, int body) {
+  const auto first = std::size_t(first_of(body));
+  const auto ways = ways_to_slim(comm, std::span(start_).subspan(first), triangles_of(body));
+  slim_.resize(first, Vec3::Zero());
   slim_.insert(slim_.end(), ways.begin(), ways.end());
 }
 
