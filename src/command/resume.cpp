@@ -109,12 +109,12 @@ void check_mesh(const Cloth& cloth, const fs::path& path) {
   if (any_of(mesh.comm, moved)) throw differs("/rest_positions", "has vertices in other places");
 }
 
-/// The checkpoints to try, in turn.
-std::vector<fs::path> candidates(MPI_Comm comm, const ResumeOptions& options) {
+/// The checkpoints of a run in `out` to try, in turn.
+std::vector<fs::path> candidates(MPI_Comm comm, const ResumeOptions& options, const fs::path& out) {
   if (!options.checkpoint.empty()) return {options.checkpoint};
   const std::string names = broadcast(comm, [&] {
     std::string lines;
-    for (const fs::path& file : checkpoints_in(options.folder)) lines += file.string() + "\n";
+    for (const fs::path& file : checkpoints_in(out)) lines += file.string() + "\n";
     return lines;
   });
   std::vector<fs::path> files;
@@ -205,7 +205,7 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   check_folder(comm, out);
   const RunLock lock(comm, options.folder); // both stages
   const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
-  const std::vector<fs::path> checkpoints = candidates(comm, options);
+  const std::vector<fs::path> checkpoints = candidates(comm, options, out);
   if (const auto then = case_before(comm, checkpoints, input)) tell_changes(comm, *then, input);
   const Case stage = before ? case_of(*before, input, options.folder) : input;
   Simulation simulation(comm, stage);

@@ -81,8 +81,9 @@ class Sewing(Temporary):
         job.end()
         run = self.folder / "stopped"
         self.assertFalse((run / "case.yaml").exists())
-        code, _, err = self.taut("resume", "stopped", ranks=1)
+        code, out, err = self.taut("resume", "stopped", ranks=1)
         self.assertEqual((code, err), (0, ""))
+        self.assertIn("resuming at t =", out)
         self.assert_sound(run)
         self.assertLess(np.abs(last_positions(run) - last_positions(whole)).max(), 2e-3)
 
