@@ -207,7 +207,14 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
   make_run_folder(comm, out, input.file);
   clear_run_folder(comm, out, ExistingRun::overwrite);
   announce(comm, simulation, stage, out);
-  return simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, {}, case_as_run(input)});
+  const int code =
+      simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, {}, case_as_run(input)});
+  if (which == SewingStage::fitting && code == step_failure && rank_of(comm) == 0)
+    fmt::print(stderr, "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "
+                       "where a body faces itself; give it more width, or obstacles more `room`, or a longer "
+                       "sewing.growth\n",
+               input.file.string());
+  return code;
 }
 
 } // namespace
