@@ -85,13 +85,18 @@ void make_mesh(config::Obstacle& o) {
   o.capsule.reset();
 }
 
-/// Folds of cloth take some room where a body faces itself.
-void give_room(Case& input) {
-  constexpr double room = 0.8; // edges
+/// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers as
+/// thick as in other cases would be pinched there.
+void fill_in(Case& input) {
+  constexpr double room = 0.8, thickness = 0.03; // edges
   double finest = HUGE_VAL;    // m
   for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
   for (config::Obstacle& o : input.obstacles)
     if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
+  if (!input.has_contact()) return;
+  if (!input.contact) input.contact.emplace();
+  for (config::Cloth& c : input.cloths)
+    if (!input.contact->thickness && !c.thickness) c.thickness = thickness * *c.edge;
 }
 
 /// What both stages have: no motion but that of sewing.
@@ -185,9 +190,9 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
   return clear_start(simulation, stage, fs::path(out) += ".findings.vtp");
 }
 
-/// With every garment where its seams pass the bodies.
-Case lifted(MPI_Comm comm, Case input) {
-  give_room(input);
+/// With all that a case leaves open, and every garment where its seams pass the bodies.
+Case prepared(MPI_Comm comm, Case input) {
+  fill_in(input);
   const Simulation simulation(comm, sewing_case(input));
   check_place(input, simulation);
   const std::vector<double> lifts = lifts_of(simulation);
@@ -229,7 +234,7 @@ Case case_of(SewingStage stage, const Case& input, const fs::path& out) {
 
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
-  const Case input = lifted(comm, given);
+  const Case input = prepared(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
   try_petsc_options(simulation, input, options.source.petsc);
