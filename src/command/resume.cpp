@@ -216,7 +216,11 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
-  if (checkpoints.empty() && !clear_start(simulation, stage, out / run_files::findings)) return step_failure;
+  const auto clear = [&] {
+    return before ? clear_stage(*before, simulation, stage, options.folder)
+                  : clear_start(simulation, stage, out / run_files::findings);
+  };
+  if (checkpoints.empty() && !clear()) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
   const bool is_over = next_frame > simulation.step_size().frames() || has_arrived(stage, simulation);

@@ -88,7 +88,7 @@ void make_mesh(config::Obstacle& o) {
 /// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers as
 /// thick as in other cases would be pinched there.
 void fill_in(Case& input) {
-  constexpr double room = 0.8, thickness = 0.03; // edges
+  constexpr double room = 1.5, thickness = 0.03; // edges
   double finest = HUGE_VAL;    // m
   for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
   for (config::Obstacle& o : input.obstacles)
@@ -184,10 +184,11 @@ void check_place(const Case& input, const Simulation& simulation) {
 
 /// What is made one goes half the gap, which may take it through what lies there.
 bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
-  if (!stage.has_contact()) return true;
-  if (!stage.contact) stage.contact.emplace();
-  stage.contact->start = config::StartContact::untangle;
-  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp");
+  if (stage.has_contact()) {
+    if (!stage.contact) stage.contact.emplace();
+    stage.contact->start = config::StartContact::untangle;
+  }
+  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
 }
 
 /// With all that a case leaves open, and every garment where its seams pass the bodies.
@@ -232,13 +233,18 @@ Case case_of(SewingStage stage, const Case& input, const fs::path& out) {
   return stage == SewingStage::sewing ? sewing_case(input) : fitting_case(input, out);
 }
 
+bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, const fs::path& out) {
+  return stage == SewingStage::fitting ? clear_weld(simulation, input, out)
+                                       : clear_start(simulation, input, fs::path(out) += ".findings.vtp");
+}
+
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
   const Case input = prepared(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
   try_petsc_options(simulation, input, options.source.petsc);
-  if (!clear_start(simulation, stage, fs::path(options.out) += ".findings.vtp")) return step_failure;
+  if (!clear_stage(SewingStage::sewing, simulation, stage, options.out)) return step_failure;
   make_run_folder(comm, options.out, input.file);
   const RunLock lock(comm, options.out);
   clear_run_folder(comm, options.out, options.existing);
@@ -253,7 +259,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
   if (before == SewingStage::sewing && !input.obstacles.empty()) {
     const Case stage = fitting_case(input, out);
     Simulation simulation(comm, stage);
-    if (!clear_weld(simulation, stage, out) || !relax_start(simulation, stage)) return step_failure;
+    if (!clear_stage(SewingStage::fitting, simulation, stage, out)) return step_failure;
     const int code = run_stage(SewingStage::fitting, stage, simulation, comm, input, options, stop, began);
     return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
                            : code;
@@ -261,7 +267,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
   Case stage = with_meshes_after(before, input, out);
   stage.sewing.reset();
   Simulation simulation(comm, stage);
-  if (!clear_weld(simulation, stage, out) || !relax_start(simulation, stage)) return step_failure;
+  if (!clear_weld(simulation, stage, out)) return step_failure;
   clear_run_folder(comm, out, options.existing);
   announce(comm, simulation, stage, out);
   return simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, options.counters});
