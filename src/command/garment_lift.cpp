@@ -10,9 +10,9 @@ namespace taut::command {
 
 namespace {
 
-constexpr double pace = 0.01;        // m
-constexpr int farthest = 20;         // paces
-constexpr int clearance = 10;        // paces
+constexpr double pace = 0.01;          // m
+constexpr int farthest = 20;           // paces
+constexpr int clearance = 10;          // paces
 constexpr std::size_t most_ways = 500; // of a cloth on a rank
 
 using Way = std::array<Vec3, 2>;

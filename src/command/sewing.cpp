@@ -80,16 +80,17 @@ Case with_meshes_after(SewingStage stage, Case input, const fs::path& out) {
 void make_mesh(config::Obstacle& o) {
   constexpr double fine = 0.2; // edges over radius
   if (!o.sphere && !o.capsule) return;
-  o.joined = config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
+  o.joined =
+      config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
   o.sphere.reset();
   o.capsule.reset();
 }
 
-/// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers as
-/// thick as in other cases would be pinched there.
+/// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers
+/// as thick as in other cases would be pinched there.
 void fill_in(Case& input) {
   constexpr double room = 1.5, thickness = 0.03; // edges
-  double finest = HUGE_VAL;    // m
+  double finest = HUGE_VAL;                      // m
   for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
   for (config::Obstacle& o : input.obstacles)
     if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
@@ -202,7 +203,8 @@ Case prepared(MPI_Comm comm, Case input) {
     input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
     if (rank_of(comm) == 0)
       fmt::print("{}: {} starts {:.3g} cm {}, where its seams pass the bodies\n", input.name,
-                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]), lifts[k] > 0 ? "higher" : "lower");
+                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]),
+                 lifts[k] > 0 ? "higher" : "lower");
   }
   return input;
 }
@@ -216,9 +218,10 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
   const int code =
       simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, {}, case_as_run(input)});
   if (which == SewingStage::fitting && code == step_failure && rank_of(comm) == 0)
-    fmt::print(stderr, "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "
-                       "where a body faces itself; give it more width, or obstacles more `room`, or a longer "
-                       "sewing.growth\n",
+    fmt::print(stderr,
+               "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "
+               "where a body faces itself; give it more width, or obstacles more `room`, or a longer "
+               "sewing.growth\n",
                input.file.string());
   return code;
 }
@@ -249,7 +252,8 @@ int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, cons
   const RunLock lock(comm, options.out);
   clear_run_folder(comm, options.out, options.existing);
   const int code = run_stage(SewingStage::sewing, stage, simulation, comm, input, options, stop, began);
-  return code == success ? run_after(SewingStage::sewing, comm, input, simulation, options, stop, began) : code;
+  return code == success ? run_after(SewingStage::sewing, comm, input, simulation, options, stop, began)
+                         : code;
 }
 
 int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simulation& ended,

@@ -41,9 +41,10 @@ void tell_of_bodies(MPI_Comm comm, const Case& input, const Obstacles& obstacles
     if (body.rims > 0 && input.obstacles[k].mesh)
       fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
     if (body.yielding > 0)
-      fmt::print("{}: {} of its vertices give way by up to {:.3g} mm, so that {:.3g} mm are left between parts "
-                 "of it\n",
-                 body.name, body.yielding, 1000 * body.yields, 1000 * *input.obstacles[k].room);
+      fmt::print(
+          "{}: {} of its vertices give way by up to {:.3g} mm, so that {:.3g} mm are left between parts "
+          "of it\n",
+          body.name, body.yielding, 1000 * body.yields, 1000 * *input.obstacles[k].room);
   }
 }
 

@@ -164,8 +164,9 @@ void describe(V& v, Is<Obstacle> auto& o) {
     {.unit = Unit::metre,
      .range = positive,
      .computed_default = "with `sewing` 1.5 edges of the finest pattern; otherwise the mesh is as given",
-     .meaning = "of a mesh: what parts of it that face each other, as in armpits, leave between them; they give "
-                "way by what is missing"});
+     .meaning =
+         "of a mesh: what parts of it that face each other, as in armpits, leave between them; they give "
+         "way by what is missing"});
   v("friction", o.friction,
     {.range = not_negative,
      .computed_default = "`contact.friction`",

@@ -42,15 +42,14 @@ private:
 
 } // namespace
 
-std::vector<Vec3> ways_to_room(std::span<const Vec3> positions, std::span<const std::array<Local, 3>> triangles,
-                               double room) {
+std::vector<Vec3> ways_to_room(std::span<const Vec3> positions,
+                               std::span<const std::array<Local, 3>> triangles, double room) {
   const std::vector<Vec3> normals = outward_normals(positions, triangles);
   const AlongX vertices(positions);
   std::vector<Vec3> ways(positions.size(), Vec3::Zero());
   for (Local v = 0; v < Local(ways.size()); ++v) {
     const double missing = 0.5 * room - vertices.radius_at(v, normals[v], 0.5 * room);
-    if (missing > 0)
-      ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room)) * normals[v];
+    if (missing > 0) ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room)) * normals[v];
   }
   even_out(ways, triangles, rounds);
   return ways;

@@ -43,10 +43,10 @@ TEST(SlimBody, IsCloseToTheAxisOfALimbAndHardlyShorter) {
 
 TEST(YieldingBody, LeavesRoomBetweenLimbsAndNothingElseMoves) {
   constexpr double gap = 0.004, room = 0.01, radius = 0.03, off = radius + 0.5 * gap;
-  const UnionMesh limbs = mesh_union({{capsule({off, 0, -0.1}, {off, 0, 0.1}, radius),
-                                       capsule({-off, 0, -0.1}, {-off, 0, 0.1}, radius)},
-                                      0,
-                                      0.004});
+  const UnionMesh limbs = mesh_union(
+      {{capsule({off, 0, -0.1}, {off, 0, 0.1}, radius), capsule({-off, 0, -0.1}, {-off, 0, 0.1}, radius)},
+       0,
+       0.004});
   const auto places = moved(limbs, ways_to_room(limbs.positions, limbs.triangles, room));
   double between = HUGE_VAL, outer = 0;
   for (std::size_t v = 0; v < places.size(); ++v) {
