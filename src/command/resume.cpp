@@ -109,12 +109,12 @@ void check_mesh(const Cloth& cloth, const fs::path& path) {
   if (any_of(mesh.comm, moved)) throw differs("/rest_positions", "has vertices in other places");
 }
 
-/// The checkpoints to try, in turn.
-std::vector<fs::path> candidates(MPI_Comm comm, const ResumeOptions& options) {
+/// The checkpoints of a run in `out` to try, in turn.
+std::vector<fs::path> candidates(MPI_Comm comm, const ResumeOptions& options, const fs::path& out) {
   if (!options.checkpoint.empty()) return {options.checkpoint};
   const std::string names = broadcast(comm, [&] {
     std::string lines;
-    for (const fs::path& file : checkpoints_in(options.folder)) lines += file.string() + "\n";
+    for (const fs::path& file : checkpoints_in(out)) lines += file.string() + "\n";
     return lines;
   });
   std::vector<fs::path> files;
@@ -176,13 +176,17 @@ void check_folder(MPI_Comm comm, const fs::path& folder) {
   });
 }
 
-/// A run whose first stage, the sewing, is not over has nothing else yet. Collective.
-fs::path folder_of_stage(MPI_Comm comm, const fs::path& folder) {
-  const fs::path sewing = sewing_folder(folder);
-  std::error_code ignored;
-  const bool is_sewing = rank_of(comm) == 0 && !fs::exists(folder / run_files::case_as_run, ignored) &&
-                         fs::exists(sewing / run_files::case_as_run, ignored);
-  return any_of(comm, is_sewing) ? sewing : folder;
+/// The stage of sewing that a run is in: it has nothing of those that come after it. None if it is past all.
+/// Collective.
+std::optional<SewingStage> stage_of(MPI_Comm comm, const fs::path& folder) {
+  const auto has_begun = [&](const fs::path& stage) {
+    std::error_code ignored;
+    return any_of(comm, rank_of(comm) == 0 && fs::exists(stage / run_files::case_as_run, ignored));
+  };
+  if (has_begun(folder)) return std::nullopt;
+  for (const SewingStage stage : {SewingStage::fitting, SewingStage::sewing})
+    if (has_begun(folder_of(stage, folder))) return stage;
+  return std::nullopt;
 }
 
 /// Whether the folder has all that a run writes when it has ended: the summary is the last of it. Collective.
@@ -196,13 +200,14 @@ bool has_ended(MPI_Comm comm, const fs::path& folder) {
 int resume(MPI_Comm comm, const ResumeOptions& options) {
   const double began = MPI_Wtime();
   const StopSignal stop;
-  const fs::path out = folder_of_stage(comm, options.folder);
+  const std::optional<SewingStage> before = stage_of(comm, options.folder);
+  const fs::path out = before ? folder_of(*before, options.folder) : options.folder;
   check_folder(comm, out);
   const RunLock lock(comm, options.folder); // both stages
   const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
-  const std::vector<fs::path> checkpoints = candidates(comm, options);
-  if (const auto before = case_before(comm, checkpoints, input)) tell_changes(comm, *before, input);
-  const Case stage = input.sewing ? sewing_stage(input) : input;
+  const std::vector<fs::path> checkpoints = candidates(comm, options, out);
+  if (const auto then = case_before(comm, checkpoints, input)) tell_changes(comm, *then, input);
+  const Case stage = before ? case_of(*before, input, options.folder) : input;
   Simulation simulation(comm, stage);
   Totals totals;
   if (!checkpoints.empty()) {
@@ -211,11 +216,15 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
-  if (checkpoints.empty() && !clear_start(simulation, stage, out / run_files::findings)) return step_failure;
+  const auto clear = [&] {
+    return before ? clear_stage(*before, simulation, stage, options.folder)
+                  : clear_start(simulation, stage, out / run_files::findings);
+  };
+  if (checkpoints.empty() && !clear()) return step_failure;
   const State& state = simulation.state();
   const Global next_frame = simulation.step_size().frame_after(state.time);
   const bool is_over = next_frame > simulation.step_size().frames() || has_arrived(stage, simulation);
-  if (is_over && has_ended(comm, out) && !input.sewing) {
+  if (is_over && has_ended(comm, out) && !before) {
     if (rank_of(comm) == 0)
       fmt::print("{}: the run is complete: it has reached its end at {:g} s; go on further with --set "
                  "time.end=...\n",
@@ -227,10 +236,10 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   announce(comm, simulation, stage, out);
   const int code = simulate(comm, stage, simulation,
                             {stop, out, options.progress, began, std::move(totals), {}, case_as_run(input)});
-  if (!input.sewing || code != success) return code;
+  if (!before || code != success) return code;
   const CaseSource source{out / run_files::case_as_run, options.overrides, options.petsc};
-  return run_sewn(comm, input, simulation,
-                  {source, out.parent_path(), ExistingRun::overwrite, options.progress, {}, {}}, stop, began);
+  return run_after(*before, comm, input, simulation,
+                   {source, options.folder, ExistingRun::overwrite, options.progress, {}, {}}, stop, began);
 }
 
 } // namespace taut::command

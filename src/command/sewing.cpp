@@ -1,8 +1,10 @@
 #include "src/command/sewing.hpp"
 
+#include "src/command/garment_lift.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
 #include "src/command/start_contact.hpp"
+#include "src/config/cloths.hpp"
 #include "src/garment/load_garment.hpp"
 #include "src/garment/write_mesh.hpp"
 
@@ -32,37 +34,123 @@ std::vector<Vec3> positions_of(const Cloth& cloth, const State& state, const Pie
   return exchange(cloth.mesh.comm, of_piece, std::vector<int>(of_piece.size(), 0)).items;
 }
 
-fs::path sewn_file(const Case& input, std::size_t k, const fs::path& out) {
-  const std::string name = input.cloths.size() == 1 ? "sewn.h5" : fmt::format("sewn_{}.h5", k);
-  return fs::absolute(sewing_folder(out) / name).lexically_normal();
+/// What a stage has made of cloth `k`.
+fs::path mesh_after(SewingStage stage, const Case& input, std::size_t k, const fs::path& out) {
+  const char* word = stage == SewingStage::sewing ? "sewn" : "fitted";
+  const std::string name =
+      input.cloths.size() == 1 ? fmt::format("{}.h5", word) : fmt::format("{}_{}.h5", word, k);
+  return fs::absolute(folder_of(stage, out) / name).lexically_normal();
 }
 
-void write_sewn(const Case& input, const Simulation& simulation, const fs::path& out) {
-  const Cloth& cloth = simulation.cloth();
+void write_meshes_after(SewingStage stage, const Case& input, const Simulation& ended, const fs::path& out) {
+  const Cloth& cloth = ended.cloth();
   const MPI_Comm comm = cloth.mesh.comm;
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     const auto [name, mesh] =
         garment::load_garment(comm, input.folder() / *input.cloths[k].pattern, *input.cloths[k].edge);
-    const auto positions = positions_of(cloth, simulation.state(), cloth.pieces[k]);
+    const auto positions = positions_of(cloth, ended.state(), cloth.pieces[k]);
     garment::SewnMesh sewn;
-    on_rank_0(comm, [&, &mesh = mesh, &name = name] { sewn = garment::sew(mesh, positions, name); });
-    garment::write_h5(comm, mesh, sewn, sewn_file(input, k, out));
+    on_rank_0(comm, [&, &mesh = mesh, &name = name] {
+      if (stage == SewingStage::sewing) {
+        sewn = garment::sew(mesh, positions, name);
+      } else {
+        sewn = garment::sew(mesh, mesh.positions, name);
+        sewn.positions = positions;
+      }
+    });
+    garment::write_h5(comm, mesh, sewn, mesh_after(stage, input, k, out));
   }
 }
 
-/// The case of the second stage.
-Case sewn_stage(Case input, const fs::path& out) {
+/// The case with the meshes that a stage has made.
+Case with_meshes_after(SewingStage stage, Case input, const fs::path& out) {
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     config::Cloth& cloth = input.cloths[k];
-    cloth.mesh = sewn_file(input, k, out);
+    cloth.mesh = mesh_after(stage, input, k, out);
     cloth.pattern.reset();
     cloth.edge.reset();
     cloth.up.reset();
     cloth.scale = 1;
     cloth.start = {};
   }
-  input.sewing.reset();
   return input;
+}
+
+/// As a body of triangles, which can be slim.
+void make_mesh(config::Obstacle& o) {
+  constexpr double fine = 0.2; // edges over radius
+  if (!o.sphere && !o.capsule) return;
+  o.joined =
+      config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
+  o.sphere.reset();
+  o.capsule.reset();
+}
+
+/// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers
+/// as thick as in other cases would be pinched there.
+void fill_in(Case& input) {
+  constexpr double room = 1.5, thickness = 0.03; // edges
+  double finest = HUGE_VAL;                      // m
+  for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
+  for (config::Obstacle& o : input.obstacles)
+    if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
+  if (!input.has_contact()) return;
+  if (!input.contact) input.contact.emplace();
+  for (config::Cloth& c : input.cloths)
+    if (!input.contact->thickness && !c.thickness) c.thickness = thickness * *c.edge;
+}
+
+/// What both stages have: no motion but that of sewing.
+Case in_peace(Case input) {
+  const config::Sewing& sewing = *input.sewing;
+  input.air.reset();
+  input.time.until_rest.reset();
+  if (input.contact) input.contact->friction = 0;
+  for (config::Cloth& c : input.cloths) {
+    c.material.damping.mass += sewing.damping;
+    c.material.bending = std::max(c.material.bending, sewing.bending);
+    if (auto& weft = c.material.bending_weft) weft = std::max(*weft, sewing.bending);
+  }
+  for (config::Pin& pin : input.pins) {
+    hold_first(pin.motion);
+    pin.release.reset();
+  }
+  for (config::Obstacle& o : input.obstacles) {
+    make_mesh(o);
+    hold_first(o.motion);
+    o.sequence.reset();
+    o.friction = 0;
+  }
+  return input;
+}
+
+void let_grow(Case& input, double growth) {
+  for (config::Obstacle& o : input.obstacles) o.growth = growth;
+}
+
+Case sewing_case(const Case& input) {
+  Case stage = in_peace(input);
+  stage.time.end = input.sewing->limit;
+  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
+  // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
+  stage.inextensibility.constrain = config::Constrain::edges;
+  for (config::Cloth& c : stage.cloths)
+    c.material.stretch =
+        std::max(c.material.stretch.value_or(0), input.sewing->force / input.inextensibility.strain);
+  let_grow(stage, HUGE_VAL);
+  return stage;
+}
+
+Case fitting_case(const Case& input, const fs::path& out) {
+  Case stage = with_meshes_after(SewingStage::sewing, in_peace(input), out);
+  stage.time.end = input.sewing->growth;
+  // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.
+  constexpr double sinking = 0.06, damping = 15; // m/s, 1/s
+  stage.gravity = sinking * damping * input.gravity.stableNormalized();
+  for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
+  stage.sewing.reset();
+  let_grow(stage, input.sewing->growth);
+  return stage;
 }
 
 /// A body that stands somewhere else than its garment, or lies, comes of units and axes.
@@ -97,74 +185,96 @@ void check_place(const Case& input, const Simulation& simulation) {
 
 /// What is made one goes half the gap, which may take it through what lies there.
 bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
-  if (!stage.has_contact()) return true;
-  if (!stage.contact) stage.contact.emplace();
-  stage.contact->start = config::StartContact::untangle;
-  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp");
+  if (stage.has_contact()) {
+    if (!stage.contact) stage.contact.emplace();
+    stage.contact->start = config::StartContact::untangle;
+  }
+  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
 }
 
-} // namespace
-
-fs::path sewing_folder(const fs::path& out) { return out / "sewing"; }
-
-Case sewing_stage(Case input) {
-  const config::Sewing& sewing = *input.sewing;
-  input.air.reset();
-  input.time.end = sewing.limit;
-  input.time.until_rest.reset();
-  if (input.contact) input.contact->friction = 0;
-  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
-  // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
-  input.inextensibility.constrain = config::Constrain::edges;
-  for (config::Cloth& c : input.cloths) {
-    c.material.damping.mass += sewing.damping;
-    c.material.bending = std::max(c.material.bending, sewing.bending);
-    if (auto& weft = c.material.bending_weft) weft = std::max(*weft, sewing.bending);
-    c.material.stretch =
-        std::max(c.material.stretch.value_or(0), sewing.force / input.inextensibility.strain);
-  }
-  for (config::Pin& pin : input.pins) {
-    hold_first(pin.motion);
-    pin.release.reset();
-  }
-  for (config::Obstacle& o : input.obstacles) {
-    hold_first(o.motion);
-    o.sequence.reset();
-    o.friction = 0;
+/// With all that a case leaves open, and every garment where its seams pass the bodies.
+Case prepared(MPI_Comm comm, Case input) {
+  fill_in(input);
+  const Simulation simulation(comm, sewing_case(input));
+  check_place(input, simulation);
+  const std::vector<double> lifts = lifts_of(simulation);
+  for (std::size_t k = 0; k < lifts.size(); ++k) {
+    if (lifts[k] == 0) continue;
+    input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
+    if (rank_of(comm) == 0)
+      fmt::print("{}: {} starts {:.3g} cm {}, where its seams pass the bodies\n", input.name,
+                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]),
+                 lifts[k] > 0 ? "higher" : "lower");
   }
   return input;
 }
 
-int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, const StopSignal& stop,
-               double began) {
-  const Case stage = sewing_stage(input);
-  Simulation simulation(comm, stage);
-  check_place(input, simulation);
-  try_petsc_options(simulation, input, options.source.petsc);
-  if (!clear_start(simulation, stage, fs::path(options.out) += ".findings.vtp")) return step_failure;
-  make_run_folder(comm, options.out, input.file);
-  const RunLock lock(comm, options.out);
-  clear_run_folder(comm, options.out, options.existing);
-  const fs::path out = sewing_folder(options.out);
+int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
+              const RunOptions& options, const StopSignal& stop, double began) {
+  const fs::path out = folder_of(which, options.out);
   make_run_folder(comm, out, input.file);
   clear_run_folder(comm, out, ExistingRun::overwrite);
   announce(comm, simulation, stage, out);
   const int code =
       simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, {}, case_as_run(input)});
-  return code == success ? run_sewn(comm, input, simulation, options, stop, began) : code;
+  if (which == SewingStage::fitting && code == step_failure && rank_of(comm) == 0)
+    fmt::print(stderr,
+               "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "
+               "where a body faces itself; give it more width, or obstacles more `room`, or a longer "
+               "sewing.growth\n",
+               input.file.string());
+  return code;
 }
 
-int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options,
-             const StopSignal& stop, double began) {
-  write_sewn(input, sewn, options.out);
-  const Case stage = sewn_stage(input, options.out);
+} // namespace
+
+fs::path folder_of(SewingStage stage, const fs::path& out) {
+  return out / (stage == SewingStage::sewing ? "sewing" : "fitting");
+}
+
+Case case_of(SewingStage stage, const Case& input, const fs::path& out) {
+  return stage == SewingStage::sewing ? sewing_case(input) : fitting_case(input, out);
+}
+
+bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, const fs::path& out) {
+  return stage == SewingStage::fitting ? clear_weld(simulation, input, out)
+                                       : clear_start(simulation, input, fs::path(out) += ".findings.vtp");
+}
+
+int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
+               double began) {
+  const Case input = prepared(comm, given);
+  const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
-  if (!clear_weld(simulation, stage, options.out)) return step_failure;
-  if (!relax_start(simulation, stage)) return step_failure;
+  try_petsc_options(simulation, input, options.source.petsc);
+  if (!clear_stage(SewingStage::sewing, simulation, stage, options.out)) return step_failure;
+  make_run_folder(comm, options.out, input.file);
+  const RunLock lock(comm, options.out);
   clear_run_folder(comm, options.out, options.existing);
-  announce(comm, simulation, stage, options.out);
-  return simulate(comm, stage, simulation,
-                  {stop, options.out, options.progress, began, {}, options.counters});
+  const int code = run_stage(SewingStage::sewing, stage, simulation, comm, input, options, stop, began);
+  return code == success ? run_after(SewingStage::sewing, comm, input, simulation, options, stop, began)
+                         : code;
+}
+
+int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simulation& ended,
+              const RunOptions& options, const StopSignal& stop, double began) {
+  const fs::path& out = options.out;
+  write_meshes_after(before, input, ended, out);
+  if (before == SewingStage::sewing && !input.obstacles.empty()) {
+    const Case stage = fitting_case(input, out);
+    Simulation simulation(comm, stage);
+    if (!clear_stage(SewingStage::fitting, simulation, stage, out)) return step_failure;
+    const int code = run_stage(SewingStage::fitting, stage, simulation, comm, input, options, stop, began);
+    return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
+                           : code;
+  }
+  Case stage = with_meshes_after(before, input, out);
+  stage.sewing.reset();
+  Simulation simulation(comm, stage);
+  if (!clear_weld(simulation, stage, out)) return step_failure;
+  clear_run_folder(comm, out, options.existing);
+  announce(comm, simulation, stage, out);
+  return simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, options.counters});
 }
 
 } // namespace taut::command

@@ -1,25 +1,34 @@
 #pragma once
 #include "src/command/simulate.hpp"
 
-/// A case with the key `sewing` is run in two stages, each with a folder of its own: that in which the panels
-/// are sewn, OUT/sewing, which ends with the garment as one mesh, and that of the case itself, OUT, which
-/// begins with it.
+/// A case with the key `sewing` is run in three stages, each with a folder of its own:
+///
+/// 1. OUT/sewing: panels are drawn together at their seams around bodies that are slim; it ends with the
+///    garment as one mesh.
+/// 2. OUT/fitting: bodies grow to their size in the garment. Without obstacles there is no such stage.
+/// 3. OUT: the case itself begins with that garment.
 namespace taut::command {
 
-/// The folder of the first stage.
-std::filesystem::path sewing_folder(const std::filesystem::path& out);
+enum class SewingStage { sewing, fitting };
 
-/// The case of the first stage: panels on their way, in a vacuum, without friction; pins and obstacles as at
-/// time 0.
-Case sewing_stage(Case input);
+/// The folder of a stage.
+std::filesystem::path folder_of(SewingStage stage, const std::filesystem::path& out);
 
-/// Begins and ends the first stage; goes on with the second.
+/// The case of a stage: in a vacuum, without friction; pins and obstacles as at time 0.
+Case case_of(SewingStage stage, const Case& input, const std::filesystem::path& out);
+
+/// Makes the start of a stage sound: panels must be, as they are placed; what the weld of a garment took
+/// through something or strained is mended. False if it cannot be, which is told. Collective.
+bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input,
+                 const std::filesystem::path& out);
+
+/// Begins with the first stage, and goes on to the others.
 int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, const StopSignal& stop,
                double began);
 
-/// The second, after the first has closed all seams: makes the cloth one mesh, and runs it. This program
-/// holds the lock of the folder. Collective.
-int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options,
-             const StopSignal& stop, double began);
+/// All that comes after a stage that has ended as `ended`. This program holds the lock of the folder.
+/// Collective.
+int run_after(SewingStage stage, MPI_Comm comm, const Case& input, const Simulation& ended,
+              const RunOptions& options, const StopSignal& stop, double began);
 
 } // namespace taut::command

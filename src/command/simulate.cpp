@@ -34,11 +34,18 @@ int exit_code(Ending ending) {
   return internal_error;
 }
 
-void tell_of_holes(MPI_Comm comm, const Case& input, const Obstacles& obstacles) {
+void tell_of_bodies(MPI_Comm comm, const Case& input, const Obstacles& obstacles) {
   if (rank_of(comm) != 0) return;
-  for (int k = 0; k < int(input.obstacles.size()); ++k)
-    if (const Obstacles::Body& body = obstacles.body(k); body.rims > 0 && input.obstacles[k].mesh)
+  for (int k = 0; k < int(input.obstacles.size()); ++k) {
+    const Obstacles::Body& body = obstacles.body(k);
+    if (body.rims > 0 && input.obstacles[k].mesh)
       fmt::print("{}: its mesh is open along {} edges; both sides of it collide\n", body.name, body.rims);
+    if (body.yielding > 0)
+      fmt::print(
+          "{}: {} of its vertices give way by up to {:.3g} mm, so that {:.3g} mm are left between parts "
+          "of it\n",
+          body.name, body.yielding, 1000 * body.yields, 1000 * *input.obstacles[k].room);
+  }
 }
 
 /// What came out, and where it is.
@@ -79,7 +86,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   const StepSize& steps = simulation.step_size();
   const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
   write_text_whole(comm, out / run_files::case_as_run, text);
-  tell_of_holes(comm, input, simulation.obstacles());
+  tell_of_bodies(comm, input, simulation.obstacles());
 
   Written written;
   FrameWriter frames(simulation.cloth(), simulation.obstacles(), steps, input, out, written);

@@ -160,6 +160,13 @@ void describe(V& v, Is<Obstacle> auto& o) {
   v("up", o.up, {.meaning = "axis that points up in the mesh file; y is turned to z, as of `cloth`"});
   v("start", o.start, {.meaning = "where it starts, moved as `cloth.start` moves cloth"});
   v("thickness", o.thickness, {.unit = Unit::metre, .range = not_negative, .meaning = "added all around"});
+  v("room", o.room,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "with `sewing` 1.5 edges of the finest pattern; otherwise the mesh is as given",
+     .meaning =
+         "of a mesh: what parts of it that face each other, as in armpits, leave between them; they give "
+         "way by what is missing"});
   v("friction", o.friction,
     {.range = not_negative,
      .computed_default = "`contact.friction`",
@@ -188,6 +195,10 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::second,
      .range = positive,
      .meaning = "time by which all seams must have closed; those that have not are named"});
+  v("growth", s.growth,
+    {.unit = Unit::second,
+     .range = positive,
+     .meaning = "in which bodies, slim until all seams are closed, grow to their size in the garment"});
   v("damping", s.damping,
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,

@@ -108,17 +108,22 @@ struct Obstacle {
   double thickness = 0;                      ///< m added all around
   std::optional<double> friction;            ///< against cloth; absent: that of `contact`
   std::vector<Keyframe> motion;              ///< times increase strictly; empty: at rest
+  std::optional<double> room;                ///< m, see ways_to_room; absent: the body is as given
+  /// s, in which a mesh grows from slim (ways_to_slim) to full; infinite: it stays slim; absent: it is full.
+  /// No key, but of stages before the case.
+  std::optional<double> growth;
   bool operator==(const Obstacle&) const = default;
 };
 
 /// How the panels of patterns are brought together before the case begins.
 struct Sewing {
-  double time = 1;             ///< s, in which seams are drawn together
+  double time = 2;             ///< s, in which seams are drawn together
   double force = 10;           ///< N/m, the largest of a seam on each of its edges
-  double limit = 5;            ///< s, by which all seams must be closed
-  double damping = 5;          ///< 1/s, times the mass
+  double limit = 6;            ///< s, by which all seams must be closed
+  double growth = 1;           ///< s, in which bodies grow to their size in the sewn garment
+  double damping = 40;         ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
-  double bending = 0;          ///< N m, at least
+  double bending = 1e-4;       ///< N m, at least
   bool operator==(const Sewing&) const = default;
 };
 

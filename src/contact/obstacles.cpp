@@ -1,10 +1,11 @@
 #include "src/contact/obstacles.hpp"
 
-#include "io/mesh_file.hpp"
-#include "src/config/require_file.hpp"
-#include "src/config/up.hpp"
+#include "partition/comm.hpp"
+#include "src/contact/body_meshes.hpp"
 #include "src/contact/closest.hpp"
+#include "src/contact/slim_body.hpp"
 #include "src/contact/union_mesh.hpp"
+#include "src/contact/yielding_body.hpp"
 #include "src/state/pins.hpp"
 
 #include <Eigen/Geometry>
@@ -16,20 +17,6 @@
 namespace taut {
 
 namespace {
-
-namespace fs = std::filesystem;
-
-/// All of `slab`, on every rank.
-template<class T>
-std::vector<T> everywhere(MPI_Comm comm, const std::vector<T>& slab) {
-  std::vector<T> copies;
-  std::vector<int> destinations;
-  for (int r = 0; r < size_of(comm); ++r) {
-    copies.insert(copies.end(), slab.begin(), slab.end());
-    destinations.insert(destinations.end(), slab.size(), r);
-  }
-  return exchange(comm, copies, destinations).items;
-}
 
 /// How `start` turns a body.
 Mat3 turn_of(const config::Obstacle& o) {
@@ -46,53 +33,6 @@ std::string name_of(const config::Obstacle& o, int body) {
   return o.name ? *o.name : fmt::format("obstacles.{} ({})", body, kind);
 }
 
-struct WholeMesh {
-  std::string name;
-  std::vector<Vec3> positions;
-  std::vector<Cell> cells;
-};
-
-/// body_0001.obj, 3 -> body_0004.obj: the digits at the end of the name count on and keep their width. Empty
-/// if there are none.
-fs::path counted_on(const fs::path& first, int steps) {
-  const std::string stem = first.stem().string();
-  const std::size_t letters = stem.find_last_not_of("0123456789") + 1; // 0 if there are none
-  const std::string digits = stem.substr(letters);
-  if (digits.empty() || digits.size() > 9) return {};
-  return first.parent_path() / fmt::format("{}{:0{}}{}", stem.substr(0, letters), std::stol(digits) + steps,
-                                           digits.size(), first.extension().string());
-}
-
-bool same_faces(const WholeMesh& a, const WholeMesh& b) {
-  return a.positions.size() == b.positions.size() &&
-         std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(),
-                    [](const Cell& s, const Cell& t) { return s.vertices == t.vertices; });
-}
-
-/// All meshes of a body, whole on every rank. Collective.
-std::vector<WholeMesh> meshes_of(MPI_Comm comm, const Case& input, int body) {
-  const config::Obstacle& o = input.obstacles[body];
-  std::vector<WholeMesh> meshes;
-  for (int k = 0; k < (o.sequence ? o.sequence->frames : 1); ++k) {
-    const fs::path file = o.sequence ? counted_on(*o.mesh, k) : *o.mesh;
-    if (file.empty())
-      throw InputError(
-          fmt::format("{}: obstacles.{}.mesh: the first mesh of a sequence needs a name that ends in a "
-                      "number, such as body_0001.obj; found '{}'",
-                      input.file.string(), body, o.mesh->string()));
-    config::require_file(comm, input, fmt::format("obstacles.{}.mesh", body), file);
-    MeshSlab slab = read_mesh(comm, input.folder() / file, o.scale, Polygons::triangulate);
-    config::turn_upright(o.up, slab.rest_positions);
-    meshes.push_back({slab.name, everywhere(comm, slab.rest_positions), everywhere(comm, slab.cell)});
-    if (!same_faces(meshes.front(), meshes.back()))
-      throw InputError(
-          fmt::format("{}: its vertices and faces are not those of {}; all meshes of a sequence need the "
-                      "same, only in other places",
-                      meshes.back().name, meshes.front().name));
-  }
-  return meshes;
-}
-
 } // namespace
 
 Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles) {
@@ -103,6 +43,8 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
     bodies_.push_back({name_of(o, body), inside + o.thickness, o.friction.value_or(contact.friction),
                        o.sphere || o.capsule});
     add(comm, input, body);
+    if (o.room) make_room(body);
+    if (o.growth) make_slim(comm, body);
   }
 }
 
@@ -169,11 +111,51 @@ void Obstacles::add_union(MPI_Comm comm, const Case& input, int body) {
   }
   agree(comm, fault);
   const Local first = vertices();
-  for (const Vec3& x : everywhere(comm, mesh.positions)) add_vertex(body, x);
-  std::vector<std::array<Local, 3>> triangles = everywhere(comm, mesh.triangles);
+  for (const Vec3& x : gather_to_all<Vec3>(comm, mesh.positions)) add_vertex(body, x);
+  std::vector<std::array<Local, 3>> triangles = gather_to_all<std::array<Local, 3>>(comm, mesh.triangles);
   for (auto& triangle : triangles)
     for (Local& v : triangle) v += first;
   add_triangles(triangles, body);
+}
+
+std::vector<std::array<Local, 3>> Obstacles::triangles_of(int body) const {
+  const Local first = first_of(body);
+  std::vector<std::array<Local, 3>> triangles;
+  for (const Element& e : elements_)
+    if (e.body == body && e.is_triangle())
+      triangles.push_back({e.vertices[0] - first, e.vertices[1] - first, e.vertices[2] - first});
+  return triangles;
+}
+
+/// The body, the last so far, is there already.
+void Obstacles::make_room(int body) {
+  const auto triangles = triangles_of(body);
+  const auto yield = [&](std::span<Vec3> positions) {
+    const std::vector<Vec3> ways = ways_to_room(positions, triangles, *inputs_[body].room);
+    for (std::size_t v = 0; v < ways.size(); ++v) {
+      positions[v] += ways[v];
+      bodies_[body].yields = std::max(bodies_[body].yields, ways[v].norm());
+    }
+    return std::count_if(ways.begin(), ways.end(), [](const Vec3& w) { return !w.isZero(); });
+  };
+  bodies_[body].yielding = yield(std::span(start_).subspan(std::size_t(first_of(body))));
+  if (const auto frames = frames_.find(body); frames != frames_.end())
+    for (auto& positions : frames->second.positions) yield(positions);
+}
+
+/// The body, the last so far, is there already.
+void Obstacles::make_slim(MPI_Comm comm, int body) {
+  const auto first = std::size_t(first_of(body));
+  const auto ways = ways_to_slim(comm, std::span(start_).subspan(first), triangles_of(body));
+  slim_.resize(first, Vec3::Zero());
+  slim_.insert(slim_.end(), ways.begin(), ways.end());
+}
+
+double Obstacles::slimness(int body, double time) const {
+  const auto& growth = inputs_[body].growth;
+  if (!growth) return 0;
+  const double s = std::clamp(time / *growth, 0.0, 1.0);
+  return 1 - s * s * (3 - 2 * s);
 }
 
 void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
@@ -228,8 +210,9 @@ void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, i
 }
 
 bool Obstacles::all_rest() const {
-  return std::all_of(inputs_.begin(), inputs_.end(),
-                     [](const config::Obstacle& o) { return o.motion.empty() && !o.sequence; });
+  return std::all_of(inputs_.begin(), inputs_.end(), [](const config::Obstacle& o) {
+    return o.motion.empty() && !o.sequence && !(o.growth && std::isfinite(*o.growth));
+  });
 }
 
 Vec3 Obstacles::moved(int body, const Vec3& start, double time) const {
@@ -264,8 +247,11 @@ Obstacles::Nearest Obstacles::nearest(const Vec3& place, std::span<const Vec3> p
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
   for (Local v = 0; v < vertices(); ++v) {
-    const auto frames = frames_.find(body_of_[v]);
-    positions[v] = moved(body_of_[v], frames == frames_.end() ? start_[v] : frames->second.at(v, time), time);
+    const int body = body_of_[v];
+    const auto frames = frames_.find(body);
+    Vec3 start = frames == frames_.end() ? start_[v] : frames->second.at(v, time);
+    if (inputs_[body].growth) start += slimness(body, time) * slim_[v];
+    positions[v] = moved(body, start, time);
   }
 }
 

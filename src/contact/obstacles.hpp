@@ -2,6 +2,7 @@
 #include "src/config/case.hpp"
 #include "src/contact/surface.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -28,6 +29,8 @@ public:
     double friction;       ///< Coulomb's coefficient against cloth
     bool is_round = false; ///< made of points or segments: a sphere, a capsule
     Global rims = 0;       ///< edges of a mesh that have a triangle on one side only, as around holes
+    Global yielding = 0;   ///< vertices that give way for `room`
+    double yields = 0;     ///< m, by how much at most
   };
 
   Local vertices() const { return Local(start_.size()); }
@@ -67,6 +70,13 @@ private:
 
     Vec3 at(Local vertex, double time) const;
   };
+  Local first_of(int body) const {
+    return Local(std::find(body_of_.begin(), body_of_.end(), body) - body_of_.begin());
+  }
+  std::vector<std::array<Local, 3>> triangles_of(int body) const; ///< from its first vertex on
+  void make_room(int body);
+  void make_slim(MPI_Comm comm, int body);
+  double slimness(int body, double time) const; ///< 1: as slim as can be, 0: full
   void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
   void add_union(MPI_Comm comm, const Case& input, int body);
@@ -81,6 +91,7 @@ private:
   std::vector<Element> elements_;
   std::vector<Plane> planes_;
   std::map<int, Frames> frames_; ///< of bodies that have a sequence
+  std::vector<Vec3> slim_;       ///< m, see ways_to_slim; of the vertices of bodies that grow
 };
 
 } // namespace taut

@@ -5,29 +5,37 @@
 
 namespace taut {
 
+namespace {
+
+constexpr double mostly = 0.7; ///< of a string's length along y: from front to back
+
+} // namespace
+
 SeamForce::SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing)
     : cloth_(cloth), time_(sewing.time) {
   const auto& rest = cloth.mesh.rest_positions;
   for (const auto& pair : cloth.mesh.seams) {
     const double share = seam_length_at(cloth, pair[0]), force = sewing.force * share;
-    strings_.push_back({pair, (rest[pair[1]] - rest[pair[0]]).norm(), force, force / (held * share),
+    const Vec3 d = rest[pair[1]] - rest[pair[0]];
+    strings_.push_back({pair, d.norm(), std::abs(d[1]) > mostly * d.norm(), force, force / (held * share),
                         pattern.slots<2>(pair)});
   }
 }
 
-/// Of the length at the start: 1 - 3 s^2 + 2 s^3, whose ends are at rest.
-double SeamForce::part_left(double time) const {
-  const double s = std::clamp(time / time_, 0.0, 1.0);
-  return 1 - s * s * (3 - 2 * s);
+/// Of the length at the start 1 - 3 s^2 + 2 s^3, whose ends are at rest.
+double SeamForce::length_at(const String& string, double time) const {
+  constexpr double first_until = 0.6, others_from = 0.4; // of the time
+  const double from = string.is_first ? 0 : others_from, until = string.is_first ? first_until : 1;
+  const double s = std::clamp((time / time_ - from) / (until - from), 0.0, 1.0);
+  return string.length * (1 - s * s * (3 - 2 * s));
 }
 
 double SeamForce::energy(const State& state) const {
   double energy = 0;
-  const double left = part_left(state.time);
   for (const String& s : strings_) {
     if (!cloth_.mesh.owns_vertex(s.ends[0])) continue;
     const double distance = (state.positions[s.ends[1]] - state.positions[s.ends[0]]).norm();
-    const double e = std::max(distance - left * s.length, 0.0);
+    const double e = std::max(distance - length_at(s, state.time), 0.0);
     energy += s.stiffness * e <= s.force ? 0.5 * s.stiffness * e * e
                                          : s.force * e - 0.5 * s.force * s.force / s.stiffness;
   }
@@ -35,11 +43,10 @@ double SeamForce::energy(const State& state) const {
 }
 
 void SeamForce::add_to(StepSystem& system, const State& state) {
-  const double left = part_left(state.time + system.dt());
   for (const String& s : strings_) {
     const auto& [a, b] = s.ends;
     const Vec3 d = state.positions[b] - state.positions[a];
-    const double distance = d.norm(), e = distance - left * s.length;
+    const double distance = d.norm(), e = distance - length_at(s, state.time + system.dt());
     if (e <= 0) continue;
     const double w = std::min(s.stiffness, s.force / e), across = std::min(w, w * e / distance);
     system.add_force(a, across * d);

@@ -6,8 +6,10 @@
 namespace taut {
 
 /// Draws the two edges of every seam together: a string from each vertex to that which it is sewn to, whose
-/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing. What the string is
-/// too long by, e = max(|d| - L, 0), costs
+/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing: strings from front
+/// to back, along y, in the first part of it, the others in the last. So tubes, as legs and sleeves, are
+/// around their limbs before they are drawn to the side. What the string is too long by, e = max(|d| - L, 0),
+/// costs
 ///
 ///     E = k/2 e^2 up to e = F/k, from there on F e - F^2/(2k)   [Huber 1964],
 ///
@@ -38,11 +40,12 @@ private:
   struct String {
     std::array<Local, 2> ends; ///< a vertex, and that which it is sewn to
     double length;             ///< m, at the start
+    bool is_first;             ///< from front to back
     double force;              ///< N, at most
     double stiffness;          ///< N/m
     Pattern::Slots<2> slots;
   };
-  double part_left(double time) const;
+  double length_at(const String& string, double time) const; ///< m
 
   const Cloth& cloth_;
   double time_; ///< s

@@ -25,7 +25,7 @@ name: tube
 cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton}
 obstacles: [{capsule: {from: [0, 0, -0.3], to: [0, 0, 0.5], radius: 4 cm}}]
 pins: [{label: waist, plane: [0, 0, 1]}]
-sewing: {time: 0.4, force: 20, limit: 2, damping: 20}
+sewing: {time: 0.4, force: 20, limit: 2, damping: 20, growth: 0.3}
 contact: {thickness: 2 mm, check: step}
 time: {end: 0.2, frame_rate: 20, max_step: 10 ms}
 """
@@ -51,7 +51,7 @@ class Sewing(Temporary):
         return self.folder / name
 
     def assert_sound(self, run):
-        for stage in (run / "sewing", run):
+        for stage in (run / "sewing", run / "fitting", run):
             summary = Run(stage).summary
             self.assertEqual(summary["status"], "completed")
             self.assertLessEqual(summary["strain"]["max"], 0.01)
@@ -81,8 +81,9 @@ class Sewing(Temporary):
         job.end()
         run = self.folder / "stopped"
         self.assertFalse((run / "case.yaml").exists())
-        code, _, err = self.taut("resume", "stopped", ranks=1)
+        code, out, err = self.taut("resume", "stopped", ranks=1)
         self.assertEqual((code, err), (0, ""))
+        self.assertIn("resuming at t =", out)
         self.assert_sound(run)
         self.assertLess(np.abs(last_positions(run) - last_positions(whole)).max(), 2e-3)
 

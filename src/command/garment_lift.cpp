@@ -1,0 +1,111 @@
+#include "src/command/garment_lift.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace taut::command {
+
+namespace {
+
+constexpr double pace = 0.01;          // m
+constexpr int farthest = 20;           // paces
+constexpr int clearance = 10;          // paces
+constexpr std::size_t most_ways = 500; // of a cloth on a rank
+
+using Way = std::array<Vec3, 2>;
+using Corners = std::array<Vec3, 3>;
+
+/// Some of those of cloth `k` that this rank owns, spread evenly.
+std::vector<Way> ways_of(const Simulation& simulation, std::size_t k) {
+  const Cloth& cloth = simulation.cloth();
+  std::vector<Way> ways;
+  for (const auto& [a, b] : cloth.mesh.seams)
+    if (cloth.mesh.owns_vertex(a) && cloth.piece_of(a) == k)
+      ways.push_back({simulation.state().positions[a], simulation.state().positions[b]});
+  const std::size_t stride = 1 + ways.size() / most_ways;
+  std::vector<Way> some;
+  for (std::size_t i = 0; i < ways.size(); i += stride) some.push_back(ways[i]);
+  return some;
+}
+
+std::vector<Corners> triangles_of(const Simulation& simulation) {
+  std::vector<Vec3> places;
+  simulation.obstacles().place(0, places);
+  std::vector<Corners> triangles;
+  for (const Element& e : simulation.obstacles().elements())
+    if (e.is_triangle())
+      triangles.push_back({places[e.vertices[0]], places[e.vertices[1]], places[e.vertices[2]]});
+  return triangles;
+}
+
+/// Whether a way passes a triangle when it is moved along `lift` [Moeller and Trumbore 1997].
+bool passes(const Way& way, const Vec3& lift, const Corners& t) {
+  const Vec3 along = way[1] - way[0], u = t[1] - t[0], v = t[2] - t[0], p = along.cross(v);
+  const double volume = u.dot(p);
+  if (volume == 0) return false;
+  const Vec3 from = way[0] + lift - t[0], q = from.cross(u);
+  const double a = from.dot(p) / volume, b = along.dot(q) / volume, s = v.dot(q) / volume;
+  return a >= 0 && b >= 0 && a + b <= 1 && s >= 0 && s <= 1;
+}
+
+/// Whether it may at any lift: seen from above.
+bool may_pass(const Way& way, const Corners& t) {
+  for (int k = 0; k < 2; ++k) {
+    const auto [low, high] = std::minmax({t[0][k], t[1][k], t[2][k]});
+    const auto [from, to] = std::minmax(way[0][k], way[1][k]);
+    if (to < low || from > high) return false;
+  }
+  return true;
+}
+
+/// For each number of paces, from -farthest - clearance on, how many ways pass a body.
+std::vector<double> blocked_ways(const std::vector<Way>& ways, const std::vector<Corners>& triangles) {
+  constexpr int reach = farthest + clearance;
+  std::vector<double> blocked(2 * reach + 1, 0.0);
+  for (const Way& way : ways) {
+    std::vector<const Corners*> near;
+    for (const Corners& t : triangles)
+      if (may_pass(way, t)) near.push_back(&t);
+    for (int k = -reach; k <= reach; ++k)
+      blocked[k + reach] += std::any_of(near.begin(), near.end(), [&](const Corners* t) {
+        return passes(way, k * pace * Vec3::UnitZ(), *t);
+      });
+  }
+  return blocked;
+}
+
+/// The nearest of those places at which ways are hardly nearer to a body than at the best.
+double best_lift(const std::vector<double>& blocked) {
+  constexpr double hardly = 0.03;
+  const double all = *std::max_element(blocked.begin(), blocked.end());
+  std::vector<double> costs; // of 0, 1, -1, 2, ... paces
+  const auto paces = [](int n) { return n % 2 == 1 ? (n + 1) / 2 : -n / 2; };
+  for (int n = 0; n <= 2 * farthest; ++n) {
+    double cost = 0;
+    for (int j = -clearance; j <= clearance; ++j)
+      cost += (1 - std::abs(j) / (clearance + 1.0)) * blocked[paces(n) + j + farthest + clearance];
+    costs.push_back(cost);
+  }
+  const double most = *std::min_element(costs.begin(), costs.end()) + hardly * all;
+  const auto first = std::find_if(costs.begin(), costs.end(), [&](double c) { return c <= most; });
+  return paces(int(first - costs.begin())) * pace;
+}
+
+} // namespace
+
+std::vector<double> lifts_of(const Simulation& simulation) {
+  const Cloth& cloth = simulation.cloth();
+  const std::vector<Corners> triangles = triangles_of(simulation);
+  std::vector<double> lifts;
+  for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
+    std::vector<double> blocked = blocked_ways(ways_of(simulation, k), triangles);
+    sum_in_place(cloth.mesh.comm, blocked);
+    lifts.push_back(best_lift(blocked));
+  }
+  return lifts;
+}
+
+} // namespace taut::command
