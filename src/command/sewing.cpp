@@ -32,31 +32,33 @@ std::vector<Vec3> positions_of(const Cloth& cloth, const State& state, const Pie
   return exchange(cloth.mesh.comm, of_piece, std::vector<int>(of_piece.size(), 0)).items;
 }
 
-fs::path sewn_file(const Case& input, std::size_t k, const fs::path& out) {
-  const std::string name = input.cloths.size() == 1 ? "sewn.h5" : fmt::format("sewn_{}.h5", k);
-  return fs::absolute(sewing_folder(out) / name).lexically_normal();
-}
-
-void write_sewn(const Case& input, const Simulation& simulation, const fs::path& out) {
+/// Returns the files.
+std::vector<fs::path> write_sewn(const Case& input, const Simulation& simulation, const fs::path& out) {
   const Cloth& cloth = simulation.cloth();
   const MPI_Comm comm = cloth.mesh.comm;
+  std::vector<fs::path> files;
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     const auto [name, mesh] =
         garment::load_garment(comm, input.folder() / *input.cloths[k].pattern, *input.cloths[k].edge);
     const auto positions = positions_of(cloth, simulation.state(), cloth.pieces[k]);
     garment::SewnMesh sewn;
-    on_rank_0(comm, [&, &mesh = mesh, &name = name] { sewn = garment::sew(mesh, positions, name); });
-    garment::write_h5(comm, mesh, sewn, sewn_file(input, k, out));
+    on_rank_0(comm, [&, &mesh = mesh, &name = name] {
+      sewn = garment::sew(mesh, positions, name, garment::shorter_sides(mesh, input, k));
+    });
+    files.push_back(garment_file(input, k, sewing_folder(out), "sewn"));
+    garment::write_h5(comm, mesh, sewn, files.back());
   }
+  return files;
 }
 
-/// The case of the second stage.
-Case sewn_stage(Case input, const fs::path& out) {
+/// The case with garments that are sewn.
+Case sewn_stage(Case input, std::span<const fs::path> meshes) {
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     config::Cloth& cloth = input.cloths[k];
-    cloth.mesh = sewn_file(input, k, out);
+    cloth.mesh = meshes[k];
     cloth.pattern.reset();
     cloth.edge.reset();
+    cloth.elastic.clear();
     cloth.up.reset();
     cloth.scale = 1;
     cloth.start = {};
@@ -107,9 +109,15 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
 
 fs::path sewing_folder(const fs::path& out) { return out / "sewing"; }
 
+fs::path garment_file(const Case& input, std::size_t k, const fs::path& folder, const std::string& stem) {
+  const std::string name = input.cloths.size() == 1 ? stem : fmt::format("{}_{}", stem, k);
+  return fs::absolute(folder / (name + ".h5")).lexically_normal();
+}
+
 Case sewing_stage(Case input) {
   const config::Sewing& sewing = *input.sewing;
   input.air.reset();
+  input.attachments.clear();
   input.time.end = sewing.limit;
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
@@ -156,8 +164,12 @@ int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, cons
 
 int run_sewn(MPI_Comm comm, const Case& input, const Simulation& sewn, const RunOptions& options,
              const StopSignal& stop, double began) {
-  write_sewn(input, sewn, options.out);
-  const Case stage = sewn_stage(input, options.out);
+  return run_garments(comm, input, write_sewn(input, sewn, options.out), options, stop, began);
+}
+
+int run_garments(MPI_Comm comm, const Case& input, std::span<const fs::path> meshes,
+                 const RunOptions& options, const StopSignal& stop, double began) {
+  const Case stage = sewn_stage(input, meshes);
   Simulation simulation(comm, stage);
   if (!clear_weld(simulation, stage, options.out)) return step_failure;
   if (!relax_start(simulation, stage)) return step_failure;
