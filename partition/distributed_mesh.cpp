@@ -33,7 +33,8 @@ public:
     place_triples(parts.triples);
     place_hinges(parts.hinges);
     number_edges(parts.edges);
-    place_seams(parts.seams);
+    place_pairs(parts.seams, mesh_.seams);
+    place_pairs(parts.ties, mesh_.ties);
     collect_stars();
     order_for_files();
     report();
@@ -87,7 +88,8 @@ private:
     for (const SentEdge& e : parts.edges) met.insert(met.end(), {e.low, e.high});
     for (const EdgeFaces& h : parts.hinges)
       for (const Global v : vertices_of(h)) met.push_back(v);
-    for (const SeamPair& s : parts.seams) met.insert(met.end(), s.begin(), s.end());
+    for (const auto* pairs : {&parts.seams, &parts.ties})
+      for (const VertexPair& pair : *pairs) met.insert(met.end(), pair.begin(), pair.end());
     sort_unique(met);
     std::vector<Global> mine(mesh_.vertices.original);
     std::sort(mine.begin(), mine.end());
@@ -156,9 +158,9 @@ private:
   }
 
   /// In an order that does not depend on the partition.
-  void place_seams(std::vector<SeamPair>& seams) {
-    std::sort(seams.begin(), seams.end());
-    for (const auto& [a, b] : seams) mesh_.seams.push_back({local_of_.at(a), local_of_.at(b)});
+  void place_pairs(std::vector<VertexPair>& pairs, std::vector<std::array<Local, 2>>& placed) const {
+    std::sort(pairs.begin(), pairs.end());
+    for (const auto& [a, b] : pairs) placed.push_back({local_of_.at(a), local_of_.at(b)});
   }
 
   void number_edges(const std::vector<SentEdge>& edges) {

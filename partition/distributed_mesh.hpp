@@ -73,6 +73,7 @@ struct DistributedMesh {
   std::vector<Hinge> hinges;
   std::vector<Global> joint;               ///< of local vertices: original numbers, see MeshSlab
   std::vector<std::array<Local, 2>> seams; ///< a vertex and its joint, if they differ and one is owned
+  std::vector<std::array<Local, 2>> ties;  ///< those of MeshSlab of which one end is owned
   std::vector<std::size_t> star;           ///< the edges of local vertex i: ends[star[i] .. star[i + 1])
   std::vector<EdgeEnd> ends;
 

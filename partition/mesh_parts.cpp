@@ -114,13 +114,24 @@ std::vector<EdgeFaces> send_hinges(MPI_Comm comm, const MeshSlab& mesh, const To
   return hinges;
 }
 
-std::vector<SeamPair> send_seams(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+std::vector<VertexPair> send_seams(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
   const auto owner = fetch<int>(comm, mesh.vertices, owners, mesh.joint);
-  Sender<SeamPair> sender;
+  Sender<VertexPair> sender;
   for (std::size_t i = 0; i < mesh.joint.size(); ++i)
     if (const Global v = mesh.vertices.first + Global(i); mesh.joint[i] != v)
       sender.add({v, mesh.joint[i]}, std::array{owners[i], owner[i]});
   return sender.send(comm);
+}
+
+/// All ranks know all; they keep what they own an end of.
+std::vector<VertexPair> own_ties(MPI_Comm comm, const MeshSlab& mesh, const std::vector<int>& owners) {
+  std::vector<Global> ends;
+  for (const VertexPair& tie : mesh.ties) ends.insert(ends.end(), tie.begin(), tie.end());
+  const auto owner = fetch<int>(comm, mesh.vertices, owners, ends);
+  std::vector<VertexPair> own;
+  for (std::size_t k = 0; k < mesh.ties.size(); ++k)
+    if (owner[2 * k] == rank_of(comm) || owner[2 * k + 1] == rank_of(comm)) own.push_back(mesh.ties[k]);
+  return own;
 }
 
 } // namespace
@@ -133,6 +144,7 @@ MeshParts send_parts(MPI_Comm comm, const MeshSlab& mesh, const Topology& topolo
   send_stars(comm, mesh, topology, owners, parts);
   parts.hinges = send_hinges(comm, mesh, topology, owners);
   parts.seams = send_seams(comm, mesh, owners);
+  parts.ties = own_ties(comm, mesh, owners);
   return parts;
 }
 

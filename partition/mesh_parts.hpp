@@ -19,8 +19,8 @@ struct SentEdge {
   Global original, low, high;
   double rest_length; ///< m; 0: by the positions
 };
-/// A vertex, and that which it is to be sewn to.
-using SeamPair = std::array<Global, 2>;
+/// A vertex, and that which it is to be sewn or tied to.
+using VertexPair = std::array<Global, 2>;
 
 /// The entities this rank stores, still by original numbers.
 struct MeshParts {
@@ -29,7 +29,7 @@ struct MeshParts {
   std::vector<SentEdge> edges;
   std::vector<YarnTriple> triples;
   std::vector<EdgeFaces> hinges;
-  std::vector<SeamPair> seams;
+  std::vector<VertexPair> seams, ties;
 };
 
 /// Sends every entity to each rank that owns one of its vertices; `owners` are those of the slab's vertices.

@@ -51,6 +51,7 @@ struct MeshSlab {
                                     ///< others; empty if all are such. Cells agree on the lengths of sides.
   std::vector<Global> joint; ///< of each vertex the first of those it is to be sewn together with, or itself;
                              ///< empty if there is nothing to sew
+  std::vector<std::array<Global, 2>> ties; ///< vertices that a force couples beyond cells; all ranks hold all
   std::vector<Global>
       vertex_lines; ///< line of each vertex in the file it came from; empty if it came from none
   std::vector<Global> cell_lines; ///< the same for cells

@@ -2,8 +2,11 @@
 import numpy as np
 from paraview import simple
 
-UNITS = {"tension": "N", "velocity": "m/s", "speed": "m/s", "reaction": "N"}  # every strain is a pure number, "-"
-RANKS = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#ee8866", "#999933"]
+# Every strain is a pure number, "-".
+UNITS = {"tension": "N", "velocity": "m/s", "speed": "m/s", "reaction": "N", "clearance": "m", "gap": "m"}
+PALETTE = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#66ccee", "#aa3377", "#ee8866", "#999933"]
+NAMED = ["owner_rank", "panel", "seam"]  # whose values are numbers of something
+UNNAMED = "seam"  # too many, and too long of name, for a bar beside the picture
 INK = [0.15, 0.15, 0.18]
 
 
@@ -12,8 +15,8 @@ def scaled(pixels, options):
 
 
 def bar_room(options):
-    """The part of the picture's width that the colour bar and its text take."""
-    return 0.18 * options.size[1] / options.size[0]
+    """The part of the picture's width that the colour bar and its text take; names of panels are long."""
+    return (0.3 if options.color == "panel" else 0.18) * options.size[1] / options.size[0]
 
 
 def colour_by_number(lut, low, high, chosen):
@@ -27,10 +30,11 @@ def colour_by_number(lut, low, high, chosen):
     lut.RescaleTransferFunction(low, high)
 
 
-def colour_by_rank(lut, ranks):
+def colour_by_name(lut, numbers, names):
+    """A colour for each number; of more numbers than colours some share one."""
     lut.InterpretValuesAsCategories = 1
-    lut.Annotations = [text for rank in ranks for text in (str(rank), str(rank))]
-    colours = [RANKS[rank % len(RANKS)] for rank in ranks]
+    lut.Annotations = [text for number in numbers for text in (str(number), names.get(number, str(number)))]
+    colours = [PALETTE[number % len(PALETTE)] for number in numbers]
     lut.IndexedColors = [int(colour[i:i + 2], 16) / 255 for colour in colours for i in (1, 3, 5)]
 
 
@@ -42,10 +46,10 @@ def dress(bar, name, options):
     bar.TitleFontSize, bar.LabelFontSize = scaled(20, options), scaled(18, options)
     bar.AutomaticLabelFormat = 0
     bar.LabelFormat = bar.RangeLabelFormat = "%-#.3g"
-    bar.TextPosition = "Ticks left/bottom, annotations right/top" if name == "owner_rank" else \
+    bar.TextPosition = "Ticks left/bottom, annotations right/top" if name in NAMED else \
         "Ticks right/top, annotations left/bottom"
     bar.WindowLocation = "Any Location"
-    title_left = 0.25 * bar_room(options) if name == "owner_rank" else 0.0
+    title_left = 0.045 * options.size[1] / options.size[0] if name in NAMED else 0.0
     bar.Position = [1.0 - bar_room(options) + title_left, 0.25]
     bar.ScalarBarLength, bar.ScalarBarThickness = 0.5, scaled(20, options)
 
@@ -55,12 +59,12 @@ def colour(view, parts, field, times, options):
     for part in parts:
         simple.ColorBy(part, (field.kind, field.name))
         # between ranks 0 and 2 there is no rank 1
-        part.InterpolateScalarsBeforeMapping = int(field.name != "owner_rank")
+        part.InterpolateScalarsBeforeMapping = int(field.name not in NAMED)
     lut = simple.GetColorTransferFunction(field.name)
-    if field.name == "owner_rank":
-        colour_by_rank(lut, [int(rank) for rank in np.unique(field.values(times[-1]))])
+    if field.name in NAMED:
+        colour_by_name(lut, [int(number) for number in np.unique(field.values(times[-1]))], field.names())
     else:
         ends = [(float(v.min()), float(v.max())) for v in map(field.values, times)]
         colour_by_number(lut, min(low for low, _ in ends), max(high for _, high in ends), options.range)
     dress(simple.GetScalarBar(lut, view), field.name, options)
-    parts[0].SetScalarBarVisibility(view, True)
+    parts[0].SetScalarBarVisibility(view, field.name != UNNAMED)

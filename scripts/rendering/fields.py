@@ -1,7 +1,9 @@
 """Where a field of a run is found, and its values."""
+import json
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 from paraview import servermanager, simple
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -44,6 +46,12 @@ class Field:
             known = sorted({*cloth.PointData.keys(), *cloth.CellData.keys(), *edges.CellData.keys()})
             sys.exit(f"render: there is no field {self.name}; known are {', '.join(known)}")
         self.source, self.kind, self.is_of_edges = edges, "CELLS", True
+
+    def names(self):
+        """{number: name} of what its values are numbers of."""
+        with h5py.File("mesh.h5", "r") as mesh:
+            names = json.loads(mesh.attrs.get(f"{self.name}s", "[]"))
+        return dict(enumerate(names))
 
     def values(self, time):
         """One number each: of a vector its length."""

@@ -4,10 +4,12 @@ import os
 
 import numpy as np
 from paraview import simple
+from vtkmodules.vtkCommonCore import vtkLogger
 
-from rendering.colours import INK, bar_room, colour, scaled
+from rendering.colours import INK, UNNAMED, bar_room, colour, scaled
 from rendering.fields import Field, open_xdmf, points_of, times_of
 
+vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_WARNING)  # some filters tell what they do
 CLOTH = [0.42, 0.58, 0.76]
 CLOTH_BACK = [0.85, 0.70, 0.52]
 OBSTACLE = [0.78, 0.78, 0.76]
@@ -21,8 +23,8 @@ def make_view(options):
     view.Background = [1.0, 1.0, 1.0]
     view.OrientationAxesVisibility = 0
     view.UseFXAA = 1
-    view.KeyLightElevation, view.KeyLightAzimuth = 65.0, -20.0  # from above, so that folds show
-    view.FillLightKFRatio = 2.0
+    view.KeyLightElevation, view.KeyLightAzimuth = 45.0, -40.0  # from the side, so that folds show
+    view.FillLightKFRatio, view.BackLightKBRatio, view.HeadLightKHRatio = 3.0, 5.0, 4.0
     return view
 
 
@@ -48,6 +50,17 @@ def show_faces(view, source):
 def show_lines(view, source):
     shown = show_plain(view, simple.ExtractSurface(Input=source), CLOTH)
     shown.Ambient, shown.Diffuse, shown.LineWidth = 1.0, 0.0, 2.0  # a line has no side that could be lit
+    return shown
+
+
+def show_seams(view, source, width):
+    """The seams of a garment, as lines on it."""
+    edges = simple.ExtractEdges(Input=simple.ExtractSurface(Input=source))
+    seams = simple.Threshold(Input=edges, Scalars=["POINTS", "seam"], AllScalars=1, LowerThreshold=0,
+                             UpperThreshold=1e9)
+    shown = show_plain(view, seams, INK)
+    shown.Ambient, shown.Diffuse, shown.LineWidth = 1.0, 0.0, width
+    shown.RenderLinesAsTubes = 1  # so that half of a line is not in the cloth
     return shown
 
 
@@ -81,7 +94,7 @@ def show_obstacles(view, options):
 def aim(view, points, options):
     """The nearest place in the wanted direction from which all points are in the picture."""
     width, height = options.size
-    bar = bar_room(options) if options.color else 0.0
+    bar = bar_room(options) if options.color and options.color != UNNAMED else 0.0
     back = np.array(options.view) / np.linalg.norm(options.view)
     right = np.cross([0.0, 0.0, 1.0], back)
     right = right / np.linalg.norm(right) if right.any() else np.array([1.0, 0.0, 0.0])
@@ -115,6 +128,10 @@ class Scene:
         parts = show_cloth(self.view, cloth, options)
         if field and field.is_of_edges:
             parts = [show_lines(self.view, field.source)]
+        if "seam" in cloth.PointData.keys():
+            is_wanted = options.color == "seam"
+            seams = show_seams(self.view, cloth, scaled(6.0 if is_wanted else 1.5, options))
+            parts = [seams] if is_wanted else parts
         show_obstacles(self.view, options)
         if field:
             colour(self.view, parts, field, self.times, options)

@@ -72,10 +72,10 @@ class Datasets:
 
 
 # Of the datasets of frames and of mesh.h5; others are plain numbers.
-UNITS = {"positions": "m", "velocities": "m/s", "reactions": "N", "contact_forces": "N", "gaps": "m", "tension": "N",
-         "cells/tension_warp": "N", "cells/tension_weft": "N", "stress_warp": "N/m", "stress_weft": "N/m",
-         "rest_positions": "m", "constraints/rest_lengths": "m", "obstacles/positions": "m", "texture": "m",
-         "rest_shape": "m"}
+UNITS = {"positions": "m", "velocities": "m/s", "reactions": "N", "contact_forces": "N", "gaps": "m", "clearance": "m",
+         "tension": "N", "cells/tension_warp": "N", "cells/tension_weft": "N", "stress_warp": "N/m",
+         "stress_weft": "N/m", "rest_positions": "m", "constraints/rest_lengths": "m", "obstacles/positions": "m",
+         "texture": "m", "rest_shape": "m", "texture_of_vertices": "m"}
 
 
 class Field(NamedTuple):

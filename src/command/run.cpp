@@ -1,4 +1,5 @@
 #include "partition/traffic.hpp"
+#include "src/command/carry.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
 #include "src/command/sewing.hpp"
@@ -19,19 +20,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As `--set` would.
-void take_cloth_of(MPI_Comm comm, const fs::path& folder, CaseSource& source) {
-  const fs::path run = fs::absolute(folder).lexically_normal();
-  const std::string frame = broadcast(comm, [&] {
-    std::string last;
-    std::error_code none;
-    for (const auto& entry : fs::directory_iterator(run / "frames", none))
-      if (entry.path().extension() == ".h5") last = std::max(last, entry.path().string());
-    if (last.empty()) throw InputError(fmt::format("--from {}: holds no run with frames", folder.string()));
-    return last;
-  });
+/// The case, begun with the cloth of another run: a pattern is carried there, of anything else the mesh of
+/// that run takes its place.
+Case begin_from(MPI_Comm comm, const fs::path& folder, CaseSource& source, Case input) {
+  const fs::path run = fs::absolute(folder).lexically_normal(), frame = last_frame(comm, run, "--from ");
+  auto& cloths = input.cloths;
+  if (std::all_of(cloths.begin(), cloths.end(),
+                  [](const config::Cloth& c) { return c.pattern.has_value(); })) {
+    for (config::Cloth& c : cloths) c.start.run = run;
+    return input;
+  }
   source.overrides.push_back({"cloth.mesh", (run / run_files::mesh).string()});
-  source.overrides.push_back({"cloth.start.shape", frame});
+  source.overrides.push_back({"cloth.start.shape", frame.string()});
+  return load_case(comm, source);
 }
 
 /// Before a run that may take days, not after it. What lies in `out` comes to be with it.
@@ -56,11 +57,12 @@ int run(MPI_Comm comm, const RunOptions& given) {
   const StopSignal stop;
   RunOptions options = given;
   if (!options.counters.empty()) count_traffic();
-  if (!options.from.empty()) take_cloth_of(comm, options.from, options.source);
-  const Case input = load_case(comm, options.source);
+  Case input = load_case(comm, options.source);
+  if (!options.from.empty()) input = begin_from(comm, options.from, options.source, std::move(input));
   if (options.out.empty()) options.out = std::filesystem::path("out") / input.name;
   const auto& out = options.out;
   if (!options.counters.empty()) try_counters(comm, options.counters, out);
+  if (is_carried(input)) return run_carried(comm, input, options, stop, began);
   if (input.sewing) return run_sewing(comm, input, options, stop, began);
   Simulation simulation(comm, input);
   try_petsc_options(simulation, input, options.source.petsc);

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace taut::command {
 
@@ -34,12 +35,15 @@ std::vector<Vec3> positions_of(const Cloth& cloth, const State& state, const Pie
   return exchange(cloth.mesh.comm, of_piece, std::vector<int>(of_piece.size(), 0)).items;
 }
 
-/// What a stage has made of cloth `k`.
+/// The mesh that a stage makes of cloth `k`.
 fs::path mesh_after(SewingStage stage, const Case& input, std::size_t k, const fs::path& out) {
-  const char* word = stage == SewingStage::sewing ? "sewn" : "fitted";
-  const std::string name =
-      input.cloths.size() == 1 ? fmt::format("{}.h5", word) : fmt::format("{}_{}.h5", word, k);
-  return fs::absolute(folder_of(stage, out) / name).lexically_normal();
+  return garment_file(input, k, folder_of(stage, out), stage == SewingStage::sewing ? "sewn" : "fitted");
+}
+
+std::vector<fs::path> meshes_after(SewingStage stage, const Case& input, const fs::path& out) {
+  std::vector<fs::path> files;
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) files.push_back(mesh_after(stage, input, k, out));
+  return files;
 }
 
 void write_meshes_after(SewingStage stage, const Case& input, const Simulation& ended, const fs::path& out) {
@@ -51,10 +55,11 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
     const auto positions = positions_of(cloth, ended.state(), cloth.pieces[k]);
     garment::SewnMesh sewn;
     on_rank_0(comm, [&, &mesh = mesh, &name = name] {
+      const auto shorter = garment::shorter_sides(mesh, input, k);
       if (stage == SewingStage::sewing) {
-        sewn = garment::sew(mesh, positions, name);
+        sewn = garment::sew(mesh, positions, name, shorter);
       } else {
-        sewn = garment::sew(mesh, mesh.positions, name);
+        sewn = garment::sew(mesh, mesh.positions, name, shorter);
         sewn.positions = positions;
       }
     });
@@ -62,13 +67,14 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
   }
 }
 
-/// The case with the meshes that a stage has made.
-Case with_meshes_after(SewingStage stage, Case input, const fs::path& out) {
+/// The case with these meshes in the place of its patterns.
+Case with_meshes(Case input, std::span<const fs::path> meshes) {
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     config::Cloth& cloth = input.cloths[k];
-    cloth.mesh = mesh_after(stage, input, k, out);
+    cloth.mesh = meshes[k];
     cloth.pattern.reset();
     cloth.edge.reset();
+    cloth.elastic.clear();
     cloth.up.reset();
     cloth.scale = 1;
     cloth.start = {};
@@ -104,6 +110,7 @@ void fill_in(Case& input) {
 Case in_peace(Case input) {
   const config::Sewing& sewing = *input.sewing;
   input.air.reset();
+  input.attachments.clear();
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
   for (config::Cloth& c : input.cloths) {
@@ -142,11 +149,11 @@ Case sewing_case(const Case& input) {
 }
 
 Case fitting_case(const Case& input, const fs::path& out) {
-  Case stage = with_meshes_after(SewingStage::sewing, in_peace(input), out);
+  Case stage = with_meshes(in_peace(input), meshes_after(SewingStage::sewing, input, out));
   stage.time.end = input.sewing->growth;
   // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.
   constexpr double sinking = 0.06, damping = 15; // m/s, 1/s
-  stage.gravity = sinking * damping * input.gravity.stableNormalized();
+  stage.gravity = Vec3(sinking * damping * input.gravity.at(0).stableNormalized());
   for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
   stage.sewing.reset();
   let_grow(stage, input.sewing->growth);
@@ -228,6 +235,11 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 
 } // namespace
 
+fs::path garment_file(const Case& input, std::size_t k, const fs::path& folder, const std::string& stem) {
+  const std::string name = input.cloths.size() == 1 ? stem : fmt::format("{}_{}", stem, k);
+  return fs::absolute(folder / (name + ".h5")).lexically_normal();
+}
+
 fs::path folder_of(SewingStage stage, const fs::path& out) {
   return out / (stage == SewingStage::sewing ? "sewing" : "fitting");
 }
@@ -268,13 +280,20 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
     return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
                            : code;
   }
-  Case stage = with_meshes_after(before, input, out);
+  return run_garments(comm, input, meshes_after(before, input, out), options, stop, began);
+}
+
+int run_garments(MPI_Comm comm, Case input, std::span<const fs::path> meshes, const RunOptions& options,
+                 const StopSignal& stop, double began) {
+  fill_in(input);
+  Case stage = with_meshes(std::move(input), meshes);
   stage.sewing.reset();
   Simulation simulation(comm, stage);
-  if (!clear_weld(simulation, stage, out)) return step_failure;
-  clear_run_folder(comm, out, options.existing);
-  announce(comm, simulation, stage, out);
-  return simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, options.counters});
+  if (!clear_weld(simulation, stage, options.out)) return step_failure;
+  clear_run_folder(comm, options.out, options.existing);
+  announce(comm, simulation, stage, options.out);
+  return simulate(comm, stage, simulation,
+                  {stop, options.out, options.progress, began, {}, options.counters});
 }
 
 } // namespace taut::command

@@ -31,4 +31,13 @@ int run_sewing(MPI_Comm comm, const Case& input, const RunOptions& options, cons
 int run_after(SewingStage stage, MPI_Comm comm, const Case& input, const Simulation& ended,
               const RunOptions& options, const StopSignal& stop, double began);
 
+/// The file that holds the mesh of a cloth in a folder: STEM.h5, or of several cloths STEM_1.h5.
+std::filesystem::path garment_file(const Case& input, std::size_t k, const std::filesystem::path& folder,
+                                   const std::string& stem);
+
+/// Runs the case with these meshes, one a cloth, in the place of its patterns: once what overlaps is
+/// untangled and what is strained is relaxed. This program holds the lock of the folder. Collective.
+int run_garments(MPI_Comm comm, Case input, std::span<const std::filesystem::path> meshes,
+                 const RunOptions& options, const StopSignal& stop, double began);
+
 } // namespace taut::command

@@ -73,7 +73,8 @@ void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) 
 
 std::string case_as_run(Case input) {
   std::vector<std::optional<fs::path>*> paths;
-  for (config::Cloth& c : input.cloths) paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape});
+  for (config::Cloth& c : input.cloths)
+    paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape, &c.start.run});
   for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
   for (auto* path : paths)
     if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();

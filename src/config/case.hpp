@@ -2,6 +2,7 @@
 #include "partition/error.hpp"
 #include "partition/types.hpp"
 #include "src/config/cloth.hpp"
+#include "src/config/gravity.hpp"
 #include "src/config/scene.hpp"
 #include "src/config/solver.hpp"
 
@@ -19,7 +20,8 @@ struct Case {
   std::string name;
   std::vector<config::Cloth> cloths{1}; ///< at least one; their vertices are numbered one after the other
   std::vector<config::Pin> pins;
-  Vec3 gravity{0, 0, -9.81};      ///< m/s^2
+  config::Gravity gravity;
+  std::vector<config::Attachment> attachments;
   std::optional<config::Air> air; ///< absent: vacuum
   std::vector<config::Obstacle> obstacles;
   std::optional<config::Sewing> sewing;   ///< absent: the panels of patterns stay apart

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// The cloths of a case, see case.hpp.
 namespace taut::config {
@@ -42,6 +43,7 @@ struct Placement {
 /// Where the cloth starts: the shape (if any), turned about the origin, then moved.
 struct Start {
   std::optional<std::filesystem::path> shape;
+  std::optional<std::filesystem::path> run; ///< of a pattern: a folder; then nothing is turned nor moved
   Rotation rotate;
   Vec3 translate = Vec3::Zero(); ///< m
   bool operator==(const Start&) const = default;
@@ -58,6 +60,7 @@ struct Material {
   double density = 0.2;                      ///< kg/m^2, kg/m on a line
   double bending = 1e-5;                     ///< N m, N m^2 on a line
   std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
+  std::optional<double> seam_bending;        ///< N m, over seams; absent: as elsewhere
   std::optional<double> twist;               ///< N m, of quads; absent: see make_forces
   std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
   RestAngles rest_angles = RestAngles::flat;
@@ -70,6 +73,13 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
+/// An edge of a pattern that is shorter at rest than it was cut, as by a band of rubber in it.
+struct Elastic {
+  std::string label; ///< of edges, or panels
+  double length = 1; ///< over that as cut
+  bool operator==(const Elastic&) const = default;
+};
+
 /// One cloth of a case.
 struct Cloth {
   std::optional<std::string> name; ///< for messages and pins; absent: its number
@@ -78,6 +88,7 @@ struct Cloth {
   std::optional<std::filesystem::path> mesh;    ///< as written: relative to the case file
   std::optional<std::filesystem::path> pattern; ///< as written
   std::optional<double> edge;                   ///< m, of the mesh of the pattern; there if that is
+  std::vector<Elastic> elastic;                 ///< of the pattern
   double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
   RestShape rest = RestShape::mesh;             ///< of faces
   double texture_unit = 1;                      ///< m per unit of texture, where that is the rest shape

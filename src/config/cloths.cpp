@@ -31,13 +31,31 @@ std::string fault_of_name(const Case& input, std::size_t k) {
   return "";
 }
 
-std::string no_such_cloth(const Case& input, const std::string& name) {
+/// Names of the things in a list, of those that have one.
+template<class T>
+std::vector<std::string> names_of(const std::vector<T>& things) {
   std::vector<std::string> names;
-  for (const Cloth& c : input.cloths)
-    if (c.name) names.push_back(*c.name);
+  for (const T& thing : things)
+    if (thing.name) names.push_back(*thing.name);
+  return names;
+}
+
+/// By name, or by number.
+template<class T>
+std::optional<std::size_t> find(const std::vector<T>& things, const std::string& name) {
+  const auto found = std::find_if(things.begin(), things.end(), [&](const T& t) { return t.name == name; });
+  if (found != things.end()) return found - things.begin();
+  const auto number = whole_number(name);
+  return number && *number < things.size() ? number : std::nullopt;
+}
+
+template<class T>
+std::string no_such(const char* kind, const std::vector<T>& things, const std::string& name) {
+  const auto names = names_of(things);
   const auto meant = nearest(name, names);
-  const std::string numbers = fmt::format("a number from 0 to {}", input.cloths.size() - 1);
-  return fmt::format("there is no cloth '{}'{}; give {}{}{}", name,
+  if (things.empty()) return fmt::format("there is no {} '{}': the case has none", kind, name);
+  const std::string numbers = fmt::format("a number from 0 to {}", things.size() - 1);
+  return fmt::format("there is no {} '{}'{}; give {}{}{}", kind, name,
                      meant ? fmt::format(" (did you mean '{}'?)", *meant) : "", fmt::join(names, ", "),
                      names.empty() ? "" : ", or ", numbers);
 }
@@ -45,12 +63,11 @@ std::string no_such_cloth(const Case& input, const std::string& name) {
 } // namespace
 
 std::optional<std::size_t> find_cloth(const Case& input, const std::string& name) {
-  const auto& cloths = input.cloths;
-  const auto found =
-      std::find_if(cloths.begin(), cloths.end(), [&](const Cloth& c) { return c.name == name; });
-  if (found != cloths.end()) return found - cloths.begin();
-  const auto number = whole_number(name);
-  return number && *number < cloths.size() ? number : std::nullopt;
+  return find(input.cloths, name);
+}
+
+std::optional<std::size_t> find_obstacle(const Case& input, const std::string& name) {
+  return find(input.obstacles, name);
 }
 
 std::string name_of_cloth(const Case& input, std::size_t k) {
@@ -69,7 +86,14 @@ std::optional<Fault> fault_of_cloths(const Case& input) {
   }
   for (std::size_t p = 0; p < input.pins.size(); ++p)
     if (const auto& name = input.pins[p].cloth; name && !find_cloth(input, *name))
-      return Fault{fmt::format("pins.{}.cloth", p), no_such_cloth(input, *name)};
+      return Fault{fmt::format("pins.{}.cloth", p), no_such("cloth", input.cloths, *name)};
+  return std::nullopt;
+}
+
+std::optional<Fault> fault_of_attachments(const Case& input) {
+  for (std::size_t k = 0; k < input.attachments.size(); ++k)
+    if (const auto& name = input.attachments[k].obstacle; name && !find_obstacle(input, *name))
+      return Fault{fmt::format("attachments.{}.obstacle", k), no_such("obstacle", input.obstacles, *name)};
   return std::nullopt;
 }
 

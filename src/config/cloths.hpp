@@ -1,7 +1,7 @@
 #pragma once
 #include "src/config/case.hpp"
 
-/// Which cloth of a case is meant.
+/// Which cloth or obstacle of a case is meant.
 namespace taut::config {
 
 /// The number of the cloth with this name, or with this number; none if there is no such cloth.
@@ -20,5 +20,11 @@ struct Fault {
 
 /// Names that do not tell cloths apart, pins on a cloth that is not there.
 std::optional<Fault> fault_of_cloths(const Case& input);
+
+/// The number of the obstacle with this name, or with this number; none if there is no such obstacle.
+std::optional<std::size_t> find_obstacle(const Case& input, const std::string& name);
+
+/// Attachments to an obstacle that is not there.
+std::optional<Fault> fault_of_attachments(const Case& input);
 
 } // namespace taut::config

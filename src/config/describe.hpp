@@ -1,5 +1,6 @@
 #pragma once
 #include "src/config/cloths.hpp"
+#include "src/config/describe_attachment.hpp"
 #include "src/config/describe_cloth.hpp"
 #include "src/config/describe_scene.hpp"
 #include "src/config/describe_solver.hpp"
@@ -30,8 +31,10 @@ template<class V>
 void check_single_keys(V& v, Is<Case> auto& c) {
   constexpr double most_gravity = 1e6;
   v.check(
-      "gravity", c.gravity.cwiseAbs().maxCoeff() <= most_gravity,
+      "gravity", c.gravity.largest() <= most_gravity,
       fmt::format("is more than {:g} m/s^2; give one that steps of this length can follow", most_gravity));
+  v.check("gravity", increasing(c.gravity.keyframes),
+          "times must increase from keyframe to keyframe; sort them");
   v.check("name", !c.name.empty() && c.name.find('/') == std::string::npos && c.name != "." && c.name != "..",
           "must be a word without '/'; it names a folder");
 }
@@ -51,6 +54,28 @@ void check_solvers(V& v, const Case& c) {
       "solver cg");
 }
 
+/// Of cloths, and of what names them or obstacles.
+template<class V>
+void check_names(V& v, const Case& c) {
+  v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
+  if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
+  if (const auto fault = fault_of_attachments(c)) v.check(fault->key, false, fault->cure);
+}
+
+/// What all cloths have alike.
+template<class V>
+void check_likeness(V& v, const Case& c) {
+  const auto all = [&](auto&& is_like_the_first) {
+    return std::all_of(c.cloths.begin(), c.cloths.end(), is_like_the_first);
+  };
+  v.check("cloths", all([&](const Cloth& k) { return k.rest == c.cloths.front().rest; }),
+          "rest: texture is of all cloths or of none; give it to each, or to none");
+  v.check("cloths", all([&](const Cloth& k) {
+            return k.start.run.has_value() == c.cloths.front().start.run.has_value();
+          }),
+          "start.run is of all cloths or of none; give it to each, or to none");
+}
+
 /// Of a case that begins with panels.
 template<class V>
 void check_sewing(V& v, const Case& c) {
@@ -62,6 +87,10 @@ void check_sewing(V& v, const Case& c) {
           !c.sewing ||
               std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
           "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
+  v.check("attachments",
+          !c.sewing || std::all_of(c.attachments.begin(), c.attachments.end(),
+                                   [](const Attachment& a) { return a.label.has_value(); }),
+          "must name what they hold by label where there is sewing, which numbers vertices anew");
 }
 
 template<class V>
@@ -69,7 +98,11 @@ void describe(V& v, Is<Case> auto& c) {
   v("name", c.name, {.computed_default = "folder of the case file", .meaning = "name of the case"});
   v.one_or_list("cloth", "cloths", c.cloths, {.meaning = "the cloth; one of grid, line, mesh and pattern"});
   v("pins", c.pins, {.meaning = "what holds the cloth"});
-  v("gravity", c.gravity, {.unit = Unit::metre_per_second2, .meaning = "acceleration of free fall"});
+  v("attachments", c.attachments, {.meaning = "what is fastened: buttons, stitches, edges on a body"});
+  v("gravity", c.gravity,
+    {.unit = Unit::metre_per_second2,
+     .meaning =
+         "acceleration of free fall; or keyframes of it: linear between them, constant before and after"});
   v("air", c.air, {.computed_default = "vacuum", .meaning = "air around the cloth"});
   v("obstacles", c.obstacles, {.meaning = "what the cloth collides with"});
   v("sewing", c.sewing,
@@ -91,9 +124,8 @@ void describe(V& v, Is<Case> auto& c) {
     {.meaning =
          "PETSc options of the linear solvers, such as '-velocity_ksp_rtol 1e-6'; what stands behind -- "
          "on the command line is added"});
+  check_names(v, c);
   check_sewing(v, c);
-  v.check("cloths", !c.cloths.empty(), "must not be empty; give at least one cloth");
-  if (const auto fault = fault_of_cloths(c)) v.check(fault->key, false, fault->cure);
   v.check(
       "time",
       c.time.integrator == Integrator::implicit_euler ||
@@ -115,10 +147,7 @@ void describe(V& v, Is<Case> auto& c) {
           "fast_projection");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),
           "method xpbd knows no contact; choose another, or contact.model: none");
-  v.check("cloths",
-          std::all_of(c.cloths.begin(), c.cloths.end(),
-                      [&](const Cloth& k) { return k.rest == c.cloths.front().rest; }),
-          "rest: texture is of all cloths or of none; give it to each, or to none");
+  check_likeness(v, c);
   check_solvers(v, c);
   check_single_keys(v, c);
 }

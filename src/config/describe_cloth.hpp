@@ -46,8 +46,13 @@ template<class V>
 void describe(V& v, Is<Start> auto& s) {
   v("shape", s.shape,
     {.meaning = "file with the same vertices in other places: OBJ, PLY, or a frame of a run (.h5)"});
+  v("run", s.run,
+    {.meaning = "of a pattern: folder of a run of the same pattern, of any edge length; it begins, sewn, as "
+                "that ended"});
   v("rotate", s.rotate, {.meaning = "rotation about the origin, done first"});
   v("translate", s.translate, {.unit = Unit::metre, .meaning = "move, done after the rotation"});
+  v.check("run", !s.run || (!s.shape && s.rotate == Rotation{} && s.translate.isZero(0)),
+          "says where the cloth is: remove shape, rotate and translate, or give taut run --from FOLDER");
 }
 
 template<class V>
@@ -69,6 +74,11 @@ void describe(V& v, Is<Material> auto& m) {
      .range = not_negative,
      .computed_default = "bending",
      .meaning = "bending stiffness of weft threads; not with bending_model: yarn"});
+  v("seam_bending", m.seam_bending,
+    {.unit = Unit::cloth_bending,
+     .range = not_negative,
+     .computed_default = "as elsewhere",
+     .meaning = "bending stiffness over the seams of a garment, if it is larger than that of the cloth"});
   v("twist", m.twist,
     {.unit = Unit::cloth_bending,
      .range = not_negative,
@@ -103,6 +113,16 @@ void describe(V& v, Is<Material> auto& m) {
 }
 
 template<class V>
+void describe(V& v, Is<Elastic> auto& e) {
+  v("label", e.label,
+    {.presence = Presence::required, .meaning = "label of edges, or of panels, of the pattern"});
+  v("length", e.length,
+    {.range = {.low = 0.3, .high = 1},
+     .presence = Presence::required,
+     .meaning = "how long it is at rest, over its length as cut: what it holds is gathered to it"});
+}
+
+template<class V>
 void describe(V& v, Is<Cloth> auto& c) {
   v("name", c.name, {.computed_default = "its number", .meaning = "how pins and messages call it"});
   v.exactly_one({"grid", "line", "mesh", "pattern"});
@@ -118,6 +138,7 @@ void describe(V& v, Is<Cloth> auto& c) {
      .range = positive,
      .computed_default = "none; a pattern needs it",
      .meaning = "length of the edges of its mesh, where the pattern gives no other"});
+  v("elastic", c.elastic, {.meaning = "edges of a pattern that are shorter at rest than they are cut"});
   v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
   v("rest", c.rest,
     {.meaning = "where faces have their lengths, warp and weft at rest: the mesh, or its texture coordinates "
@@ -145,6 +166,10 @@ void describe(V& v, Is<Cloth> auto& c) {
   v.check("rest", c.rest == RestShape::mesh || c.mesh, "texture is of a mesh file; give cloth.mesh");
   v.check("texture_unit", c.rest == RestShape::texture || c.texture_unit == 1,
           "is for rest: texture; remove it");
+  v.check("start", !c.start.run || c.pattern,
+          "run is for a pattern; for a mesh give taut run --from FOLDER, or mesh and start.shape");
+  v.check("elastic", c.elastic.empty() || c.pattern,
+          "is for a pattern; remove it: a mesh that was made with it has it in its rest shape");
   v.check("edge", c.pattern || !c.edge, "is for a pattern; remove it, or give cloth.pattern");
 }
 

@@ -36,9 +36,10 @@ void describe(V& v, Is<Keyframe> auto& k) {
 }
 
 /// Times that increase strictly.
-inline bool increasing(const std::vector<Keyframe>& motion) {
-  for (std::size_t i = 1; i < motion.size(); ++i)
-    if (!(motion[i - 1].time < motion[i].time)) return false;
+template<class T>
+bool increasing(const std::vector<T>& keyframes) {
+  for (std::size_t i = 1; i < keyframes.size(); ++i)
+    if (!(keyframes[i - 1].time < keyframes[i].time)) return false;
   return true;
 }
 

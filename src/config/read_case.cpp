@@ -93,6 +93,15 @@ InextensibilityMethod initial_method(const Tree& root) {
 
 } // namespace
 
+void read(const Spot& spot, Gravity& value) {
+  const auto& items = spot.tree.items;
+  if (items.empty() || items.front().kind != Tree::Kind::map) {
+    value.keyframes.assign(1, {});
+    return read(spot, value.keyframes.front().value);
+  }
+  read(spot, value.keyframes);
+}
+
 void read(const Spot& spot, Cloth& value) {
   value.material = initial_material(spot.tree);
   read_keys(spot, value);

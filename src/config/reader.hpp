@@ -65,6 +65,9 @@ void read(const Spot& spot, Struct& value) requires std::is_class_v<Struct> {
   read_keys(spot, value);
 }
 
+/// A vector, or a list of keyframes.
+void read(const Spot& spot, Gravity& value);
+
 /// A fabric fills the material before the keys of that are read.
 void read(const Spot& spot, Cloth& value);
 

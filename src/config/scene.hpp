@@ -48,6 +48,19 @@ struct Pin {
   bool operator==(const Pin&) const = default;
 };
 
+/// Vertices that strings draw to others, as buttons and stitches do, or to a body.
+struct Attachment {
+  std::optional<std::string> label;           ///< exactly one of label and vertices
+  std::optional<std::array<int, 2>> vertices; ///< the two ends of one string
+  std::optional<std::string> to;              ///< label; exactly one of to and obstacle with `label`
+  std::optional<std::string> obstacle;        ///< its name or number
+  double force = 10;                          ///< N, the largest of a string
+  double length = 0;                          ///< m, of a string
+  double time = 0.5;                          ///< s, in which strings get so short
+  std::optional<double> release;              ///< s; absent: never
+  bool operator==(const Attachment&) const = default;
+};
+
 struct Plane {
   Vec3 point = Vec3::Zero();   ///< m
   Vec3 normal = Vec3::UnitZ(); ///< any length but zero; cloth stays on the side it points to

@@ -27,6 +27,8 @@ Json json_of(const Vec3& value) {
 }
 Json json_of(const std::array<int, 2>& value) { return value; }
 
+Json json_of(const Gravity& value) { return json_of(value.keyframes.front().value); }
+
 template<class Choice>
 Json json_of(Choice value) requires std::is_enum_v<Choice> {
   return words_of(value)[static_cast<std::size_t>(value)];
@@ -85,6 +87,10 @@ Json type_of(const Struct& value, const Key&) requires std::is_class_v<Struct>;
 
 template<class T>
 Json type_of(const std::vector<T>&, const Key& key);
+
+Json type_of(const Gravity& value, const Key& key) {
+  return {{"anyOf", {type_of(Vec3(), key), type_of(value.keyframes, key)}}};
+}
 
 template<class T>
 Json type_of(const std::optional<T>& value, const Key& key) {

@@ -14,6 +14,11 @@ using Json = nlohmann::ordered_json;
 
 bool is_quantity(const Json& schema) { return schema.at("type").is_array(); }
 
+/// What a value may be: of most keys one thing.
+Json::array_t forms_of(const Json& schema) {
+  return schema.contains("anyOf") ? schema["anyOf"].get<Json::array_t>() : Json::array_t{schema};
+}
+
 std::string range_of(const Json& schema) {
   std::string text;
   const auto add = [&](const char* name, const char* sign) {
@@ -42,6 +47,8 @@ std::string plural(const std::string& type) {
 }
 
 std::string type_of(const Json& schema) {
+  if (const auto forms = forms_of(schema); forms.size() > 1)
+    return fmt::format("{}, or {}", type_of(forms[0]), type_of(forms[1]));
   if (schema.contains("$ref")) {
     const auto path = schema.at("$ref").get<std::string>();
     return fmt::format("block as `{}`", path.substr(path.rfind('/') + 1));
@@ -75,7 +82,7 @@ std::string default_of(const Json& schema, Need need) {
   if (need == Need::one_of) return "exactly one of these";
   if (schema.contains("x-default")) return schema["x-default"];
   if (schema.contains("default")) return fmt::format("`{}`", schema["default"].dump());
-  return schema.at("type") == "object" ? "" : "none";
+  return schema.value("type", "") == "object" ? "" : "none";
 }
 
 void add_rows(std::string& table, const Json& parent, const std::string& path) {
@@ -84,8 +91,9 @@ void add_rows(std::string& table, const Json& parent, const std::string& path) {
     table += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, type_of(schema), schema.value("x-unit", ""),
                          default_of(schema, need_of(parent, name)), schema.value("description", ""));
     if (schema.contains("properties")) add_rows(table, schema, key + ".");
-    if (schema.contains("items") && schema["items"].contains("properties"))
-      add_rows(table, schema["items"], key + "[].");
+    for (const Json& form : forms_of(schema))
+      if (form.contains("items") && form["items"].contains("properties"))
+        add_rows(table, form["items"], key + "[].");
   }
 }
 

@@ -56,6 +56,11 @@ void write(YAML::Emitter& out, const std::vector<T>& values) {
   out << YAML::EndSeq;
 }
 
+void write(YAML::Emitter& out, const Gravity& value) {
+  const auto& keyframes = value.keyframes;
+  keyframes.size() == 1 ? write(out, keyframes.front().value) : write(out, keyframes);
+}
+
 template<class T>
 bool is_absent(const T&) {
   return false;

@@ -57,6 +57,28 @@ void bounds_of(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_x = box.high[0], bounds.upper_y = box.high[1], bounds.upper_z = box.high[2];
 }
 
+struct Search {
+  std::span<const Box> boxes;
+  const std::function<double(Local)>& distance;
+  std::pair<Local, double> nearest{-1, HUGE_VAL};
+
+  /// Whether what is farther away need not be looked at any more.
+  bool look_at(unsigned k) {
+    const double before = nearest.second;
+    for (std::size_t i = k * group; i < std::min((k + 1) * group, boxes.size()); ++i)
+      if (const double d = distance(Local(i)); d < nearest.second) nearest = {Local(i), d};
+    return nearest.second < before;
+  }
+};
+
+bool narrow(RTCPointQueryFunctionArguments* arguments) {
+  Search& search = *static_cast<Search*>(arguments->userPtr);
+  if (!search.look_at(arguments->primID)) return false;
+  constexpr double rounding = 1 + 1e-6;
+  arguments->query->radius = float(rounding * std::max(search.nearest.second, 0.0));
+  return true;
+}
+
 } // namespace
 
 struct BoxTree::Scene {
@@ -91,6 +113,17 @@ void BoxTree::build(std::vector<Box> boxes) {
   rtcCommitScene(scene_->scene);
   if (rtcGetDeviceError(device()) != RTC_ERROR_NONE)
     throw std::runtime_error("Embree could not build its tree of boxes");
+}
+
+std::pair<Local, double> BoxTree::nearest(const Vec3& place,
+                                          const std::function<double(Local)>& distance) const {
+  Search search{scene_->boxes, distance};
+  if (scene_->boxes.empty()) return search.nearest;
+  RTCPointQuery query{float(place[0]), float(place[1]), float(place[2]), 0, HUGE_VALF};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene_->scene, &query, &context, narrow, &search);
+  return search.nearest;
 }
 
 std::vector<BoxPair> BoxTree::pairs() const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <span>
 #include <utility>
@@ -75,6 +76,10 @@ public:
 
   /// All pairs (i, j) of a box i of this tree and a box j of `other` that overlap.
   std::vector<BoxPair> pairs_with(const BoxTree& other) const;
+
+  /// Of what is in the boxes, that which is nearest to a place, and how far it is. `distance(i)` says it of
+  /// box i, and is at least the distance of the box. -1 and HUGE_VAL of an empty tree.
+  std::pair<Local, double> nearest(const Vec3& place, const std::function<double(Local)>& distance) const;
 
 private:
   struct Scene;

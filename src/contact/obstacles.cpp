@@ -229,30 +229,17 @@ Mat3 Obstacles::turned(int body, double from, double to) const {
   return rotation(to) * rotation(from).transpose();
 }
 
-Obstacles::Nearest Obstacles::nearest(const Vec3& place, std::span<const Vec3> positions) const {
-  Nearest nearest;
-  const auto meet = [&](int body, double distance) {
-    distance -= bodies_[body].radius;
-    if (distance < nearest.distance) nearest = {body, distance};
-  };
-  for (const Plane& plane : planes_) meet(plane.body, plane.normal.dot(place - positions[plane.point]));
-  for (const Element& e : elements_) {
-    const Vec3 &a = positions[e.vertices[0]], &b = positions[e.vertices[e.corners > 1 ? 1 : 0]];
-    meet(e.body, e.is_triangle() ? closest_vertex_face({place, a, b, positions[e.vertices[2]]}).distance
-                                 : closest_edge_edge({place, place, a, b}).distance);
-  }
-  return nearest;
-}
-
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
-  for (Local v = 0; v < vertices(); ++v) {
-    const int body = body_of_[v];
-    const auto frames = frames_.find(body);
-    Vec3 start = frames == frames_.end() ? start_[v] : frames->second.at(v, time);
-    if (inputs_[body].growth) start += slimness(body, time) * slim_[v];
-    positions[v] = moved(body, start, time);
-  }
+  for (Local v = 0; v < vertices(); ++v) positions[v] = place_of(v, time);
+}
+
+Vec3 Obstacles::place_of(Local vertex, double time) const {
+  const int body = body_of_[vertex];
+  const auto frames = frames_.find(body);
+  Vec3 start = frames == frames_.end() ? start_[vertex] : frames->second.at(vertex, time);
+  if (inputs_[body].growth) start += slimness(body, time) * slim_[vertex];
+  return moved(body, start, time);
 }
 
 } // namespace taut

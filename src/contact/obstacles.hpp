@@ -2,6 +2,8 @@
 #include "src/config/case.hpp"
 #include "src/contact/surface.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -46,6 +48,16 @@ public:
   /// Where a point of a body is at `time` that is at `start` in the case, by its keyframes alone. m.
   Vec3 moved(int body, const Vec3& start, double time) const;
 
+  /// A place that moves with a body: of one that changes its shape, in the frame of a triangle.
+  struct Anchor {
+    int body;
+    Local element; ///< of the nearest triangle; -1 of a body that moves by its keyframes alone
+    Vec3 in_frame; ///< m: in its frame, or as the case gives the body
+  };
+  /// That moves with a body from `place` (m) at time 0 on.
+  Anchor anchor(int body, const Vec3& place) const;
+  Vec3 follow(const Anchor& anchor, double time) const; ///< where it is, m
+
   /// The rotation of a body from one time to another, by its keyframes.
   Mat3 turned(int body, double from, double to) const;
 
@@ -54,6 +66,10 @@ public:
     double distance =
         HUGE_VAL; ///< m from its surface; negative inside of one with a radius, or behind a plane
   };
+  /// From the surface that an element or a plane stands for, as above.
+  double distance_to(const Element& element, const Vec3& place, std::span<const Vec3> positions) const;
+  double distance_to(const Plane& plane, const Vec3& place, std::span<const Vec3> positions) const;
+
   /// The body nearest to a place, with the vertices of all at `positions` (m).
   Nearest nearest(const Vec3& place, std::span<const Vec3> positions) const;
 
@@ -77,6 +93,8 @@ private:
   void make_room(int body);
   void make_slim(MPI_Comm comm, int body);
   double slimness(int body, double time) const; ///< 1: as slim as can be, 0: full
+  Vec3 place_of(Local vertex, double time) const;
+  Eigen::Affine3d frame_of(Local element, double time) const;
   void add_mesh(MPI_Comm comm, const Case& input, int body);
   void add(MPI_Comm comm, const Case& input, int body);
   void add_union(MPI_Comm comm, const Case& input, int body);

@@ -31,14 +31,16 @@ struct PenaltySprings::Spring {
 PenaltySprings::PenaltySprings(const Cloth& cloth, const Obstacles& obstacles, const Case& input)
     : contact_(*input.contact), gravity_(input.gravity), thickness_(cloth, input), scene_(cloth, obstacles) {
   const config::Penalty given = contact_.penalty.value_or(config::Penalty{});
-  stiffness_ = given.stiffness.value_or(default_stiffness(cloth, input.gravity.norm(), thickness_.largest()));
+  stiffness_ =
+      given.stiffness.value_or(default_stiffness(cloth, input.gravity.largest(), thickness_.largest()));
   damping_ = given.damping * stiffness_;
 }
 
 /// Pairs that may come near enough in free flight.
 void PenaltySprings::find_pairs(const State& state, double dt) {
+  const Vec3 gravity = gravity_.at(state.time + dt);
   displacement_ = state.velocities;
-  for (Vec3& v : displacement_) v += dt * gravity_;
+  for (Vec3& v : displacement_) v += dt * gravity;
   scene_.begin(state, dt, displacement_);
   scene_.search.find(scene_.motion(), thickness_.largest());
   scene_.gather_start();

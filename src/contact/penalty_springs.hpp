@@ -35,7 +35,7 @@ private:
   void find_pairs(const State& state, double dt);
 
   config::Contact contact_;
-  Vec3 gravity_;
+  config::Gravity gravity_;
   Thickness thickness_;
   double stiffness_, damping_;
   ContactScene scene_; ///< of the step in hand; no memory from one to the next

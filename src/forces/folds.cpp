@@ -176,4 +176,23 @@ Folds folds_of(const Cloth& cloth, const PerPiece<Rigidity>& rigidity) {
   return folds;
 }
 
+void stiffen_seams(const Cloth& cloth, const PerPiece<double>& stiffness, Folds& folds) {
+  const IndexMap& map = cloth.mesh.vertices;
+  for (HingeStencil& f : folds.hinges) {
+    const std::size_t k = cloth.piece_of(f.vertices[0]);
+    const Piece& piece = cloth.pieces[k];
+    if (!stiffness.of(k)) continue;
+    const auto is_on = [&](const garment::NamedSeam& s, Local v) {
+      return std::binary_search(s.vertices.begin(), s.vertices.end(), map.original[v] - piece.first_vertex);
+    };
+    const auto& seams = piece.parts.seams;
+    if (std::none_of(seams.begin(), seams.end(),
+                     [&](const auto& s) { return is_on(s, f.vertices[0]) && is_on(s, f.vertices[1]); }))
+      continue;
+    const config::Material& m = piece.material;
+    const double own = along_edge({m.bending, m.bending_weft.value_or(m.bending), 0}, f.run);
+    f.stiffness += std::max(*stiffness.of(k) - own, 0.0) * (f.rest[1] - f.rest[0]).squaredNorm() / f.area;
+  }
+}
+
 } // namespace taut

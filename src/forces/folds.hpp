@@ -47,4 +47,8 @@ struct Rigidity {
 /// ordinary triangles, for six vertices on one conic do not tell curvatures apart.
 Folds folds_of(const Cloth& cloth, const PerPiece<Rigidity>& rigidity);
 
+/// Makes the folds over seams as stiff as `stiffness` (N m) of their piece, where they are softer; `folds`
+/// are those of the pieces that have one. The allowances of a seam lie double there.
+void stiffen_seams(const Cloth& cloth, const PerPiece<double>& stiffness, Folds& folds);
+
 } // namespace taut

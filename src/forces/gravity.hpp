@@ -3,11 +3,12 @@
 
 namespace taut {
 
-/// m g on every vertex.
+/// m g on every vertex, with the gravity at the end of the step.
 class Gravity : public Force {
 public:
-  /// `cloth` must outlive the force; `acceleration` in m/s^2.
-  Gravity(const Cloth& cloth, const Vec3& acceleration) : cloth_(cloth), acceleration_(acceleration) {}
+  /// `cloth` must outlive the force.
+  Gravity(const Cloth& cloth, config::Gravity acceleration)
+      : cloth_(cloth), acceleration_(std::move(acceleration)) {}
 
   std::string_view name() const override { return "gravity"; }
   bool is_internal() const override { return false; }
@@ -16,7 +17,7 @@ public:
 
 private:
   const Cloth& cloth_;
-  Vec3 acceleration_;
+  config::Gravity acceleration_;
 };
 
 } // namespace taut

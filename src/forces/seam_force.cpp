@@ -17,7 +17,10 @@ SeamForce::SeamForce(const Cloth& cloth, const Pattern& pattern, const config::S
   for (const auto& pair : cloth.mesh.seams) {
     const double share = seam_length_at(cloth, pair[0]), force = sewing.force * share;
     const Vec3 d = rest[pair[1]] - rest[pair[0]];
-    strings_.push_back({pair, d.norm(), std::abs(d[1]) > mostly * d.norm(), force, force / (held * share),
+    strings_.push_back({pair,
+                        d.norm(),
+                        std::abs(d[1]) > mostly * d.norm(),
+                        {force, force / (held * share)},
                         pattern.slots<2>(pair)});
   }
 }
@@ -35,9 +38,7 @@ double SeamForce::energy(const State& state) const {
   for (const String& s : strings_) {
     if (!cloth_.mesh.owns_vertex(s.ends[0])) continue;
     const double distance = (state.positions[s.ends[1]] - state.positions[s.ends[0]]).norm();
-    const double e = std::max(distance - length_at(s, state.time), 0.0);
-    energy += s.stiffness * e <= s.force ? 0.5 * s.stiffness * e * e
-                                         : s.force * e - 0.5 * s.force * s.force / s.stiffness;
+    energy += s.law.energy(distance - length_at(s, state.time));
   }
   return energy;
 }
@@ -46,15 +47,8 @@ void SeamForce::add_to(StepSystem& system, const State& state) {
   for (const String& s : strings_) {
     const auto& [a, b] = s.ends;
     const Vec3 d = state.positions[b] - state.positions[a];
-    const double distance = d.norm(), e = distance - length_at(s, state.time + system.dt());
-    if (e <= 0) continue;
-    const double w = std::min(s.stiffness, s.force / e), across = std::min(w, w * e / distance);
-    system.add_force(a, across * d);
-    system.add_force(b, -across * d);
-    system.add_outer<2>(s.ends, s.slots, {-1, 1}, across, 0.0);
-    const Vec3 n = d / distance;
-    system.add_rank_one(std::array<Local, 4>{a, b, a, a}, {-n, n, Vec3::Zero(), Vec3::Zero()}, w - across,
-                        0.0);
+    const double e = d.norm() - length_at(s, state.time + system.dt());
+    if (e > 0) add_string<2>(system, s.law, s.ends, s.slots, d, e);
   }
 }
 

@@ -1,28 +1,22 @@
 #pragma once
 #include "src/config/scene.hpp"
 #include "src/forces/force.hpp"
+#include "src/forces/string_law.hpp"
 #include "src/linear/pattern.hpp"
 
 namespace taut {
 
 /// Draws the two edges of every seam together: a string from each vertex to that which it is sewn to, whose
-/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing: strings from front
-/// to back, along y, in the first part of it, the others in the last. So tubes, as legs and sleeves, are
-/// around their limbs before they are drawn to the side. What the string is too long by, e = max(|d| - L, 0),
-/// costs
+/// length L(t) shrinks smoothly from what it is at rest to nothing in the time of sewing, and which pulls by
+/// StringLaw for e = max(|d| - L, 0), so that no seam ever pulls with more than F = `force` times the length
+/// of seam at the vertex. It does so where its ends are more than `held` of that length apart. Strings from
+/// front to back, along y, shrink in the first part of that time, the others in the last: tubes, as legs and
+/// sleeves, are around their limbs before they are drawn to the side.
 ///
-///     E = k/2 e^2 up to e = F/k, from there on F e - F^2/(2k)   [Huber 1964],
-///
-/// so that no seam ever pulls with more than F = `force` times the length of seam at the vertex. It does so
-/// where its ends are more than `held` of that length apart. A seam counts as closed where they are nearer
-/// than `closed` of it, at one end or the other: each goes half of that when they become one, and the cells
-/// beside them, strained by up to a fifth, are relaxed from there (Simulation::relax). Waiting for less is a
-/// matter of luck: what the prediction draws together the projection, which moves in the metric of masses,
-/// opens again by up to a tenth of an edge.
-///
-/// With w = min(k, F/e), the force is w e along d. In place of its derivative along d, which is 0 where the
-/// pull is largest, the system gets w: the parabola that touches E and is nowhere below it, as in iteratively
-/// reweighted least squares, with which a step of any length takes ends together and not past each other.
+/// A seam counts as closed where its ends are nearer than `closed` of that length, at one end or the other:
+/// each goes half of that when they become one, and the cells beside them, strained by up to a fifth, are
+/// relaxed from there (Simulation::relax). Waiting for less is a matter of luck: what the prediction draws
+/// together the projection, which moves in the metric of masses, opens again by up to a tenth of an edge.
 class SeamForce : public Force {
 public:
   /// Of a string, over the length of seam at its vertex.
@@ -41,8 +35,7 @@ private:
     std::array<Local, 2> ends; ///< a vertex, and that which it is sewn to
     double length;             ///< m, at the start
     bool is_first;             ///< from front to back
-    double force;              ///< N, at most
-    double stiffness;          ///< N/m
+    StringLaw law;
     Pattern::Slots<2> slots;
   };
   double length_at(const String& string, double time) const; ///< m

@@ -2,6 +2,7 @@
 
 #include "io/scatter.hpp"
 #include "partition/error.hpp"
+#include "partition/sort_unique.hpp"
 #include "src/garment/panel_mesh.hpp"
 #include "src/garment/polygon.hpp"
 
@@ -131,6 +132,22 @@ void add_seams(GarmentMesh& all, const SewingPattern& pattern) {
   }
 }
 
+/// The vertex nearest to a point of the pattern.
+Global vertex_at(const GarmentMesh& mesh, const MeshedPanel& meshed, const Panel& panel,
+                 const PatternPoint& point) {
+  const Vec2 place = MaterialFrame(panel).to_material(point.at);
+  Global nearest = meshed.first_vertex;
+  const auto distance = [&](Global v) { return (mesh.material[v] - place).norm(); };
+  for (Global v = meshed.first_vertex; v < meshed.first_vertex + meshed.vertices; ++v)
+    if (distance(v) < distance(nearest)) nearest = v;
+  if (distance(nearest) > meshed.edge_length)
+    throw InputError(
+        fmt::format("{}: panel '{}': point '{}' lies {:.3g} mm outside of the panel; move it into the "
+                    "panel",
+                    point.place, panel.name, point.label, 1000 * distance(nearest)));
+  return nearest;
+}
+
 void add_labels(GarmentMesh& all, const SewingPattern& pattern) {
   std::map<std::string, std::set<Global>> labels;
   for (std::size_t p = 0; p < pattern.panels.size(); ++p) {
@@ -139,6 +156,8 @@ void add_labels(GarmentMesh& all, const SewingPattern& pattern) {
     for (std::size_t e = 0; e < panel.edges.size(); ++e)
       if (const std::string& label = panel.edges[e].label; !label.empty())
         for (const int v : meshed.outline.of_edge(int(e))) labels[label].insert(meshed.first_vertex + v);
+    for (const PatternPoint& point : panel.points)
+      labels[point.label].insert(vertex_at(all, meshed, panel, point));
     if (!panel.label.empty())
       for (Global v = 0; v < meshed.vertices; ++v) labels[panel.label].insert(meshed.first_vertex + v);
   }
@@ -166,6 +185,17 @@ Corners2 texture_of(const GarmentMesh& mesh, const Cell& cell) {
     corners[k] = v < 0 ? Vec2::Zero().eval() : Vec2(mesh.material[v][1], -mesh.material[v][0]);
   }
   return corners;
+}
+
+NamedParts parts_of(const GarmentMesh& mesh) {
+  NamedParts parts{{}, {}, mesh.labels};
+  for (const MeshedPanel& p : mesh.panels) parts.panels.push_back({p.name, p.first_cell});
+  for (const MeshedSeam& seam : mesh.seams) {
+    auto& [name, vertices] = parts.seams.emplace_back(NamedSeam{seam.name, {}});
+    for (const auto& pair : seam.pairs) vertices.insert(vertices.end(), pair.begin(), pair.end());
+    sort_unique(vertices);
+  }
+  return parts;
 }
 
 MeshSlab share_out(MPI_Comm comm, const GarmentMesh& mesh, const std::string& name) {

@@ -1,9 +1,9 @@
 #pragma once
 #include "partition/mesh_slab.hpp"
+#include "src/garment/named_parts.hpp"
 #include "src/garment/sample_outlines.hpp"
 #include "src/garment/sharpness.hpp"
 
-#include <map>
 #include <string>
 #include <vector>
 
@@ -35,8 +35,8 @@ struct GarmentMesh {
   std::vector<Cell> cells; ///< counter-clockwise, seen from the right side
   std::vector<MeshedPanel> panels;
   std::vector<MeshedSeam> seams;
-  std::map<std::string, std::vector<Global>> labels; ///< of edges and panels: their vertices, ascending
-  std::vector<std::string> warnings;                 ///< of what may not be meant, one line each
+  Labels labels;                     ///< of edges and panels: their vertices
+  std::vector<std::string> warnings; ///< of what may not be meant, one line each
 };
 
 /// Meshes a checked pattern (check_panels). No triangle has an angle below 15 degrees, except in corners of
@@ -47,6 +47,9 @@ GarmentMesh mesh_garment(const SewingPattern& pattern, const EdgeLengths& length
 /// The texture of the corners of a cell: u along warp, v along weft (mesh_slab.hpp), counter-clockwise seen
 /// from the right side.
 Corners2 texture_of(const GarmentMesh& mesh, const Cell& cell);
+
+/// What its parts are called.
+NamedParts parts_of(const GarmentMesh& mesh);
 
 /// The mesh that rank 0 holds, in slabs; what the others pass is not used. Collective.
 MeshSlab share_out(MPI_Comm comm, const GarmentMesh& mesh, const std::string& name);

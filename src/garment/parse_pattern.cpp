@@ -141,10 +141,21 @@ std::vector<PatternEdge> read_edges(const Spot& spot, const std::vector<Vec2>& v
   return edges;
 }
 
+/// Points by their labels, less `origin`.
+std::vector<PatternPoint> read_points(const Spot& spot, const Vec2& origin, const PatternStyle& style) {
+  if (spot.tree.kind != Tree::Kind::map)
+    config::fail_type(spot, "points by their labels, e.g. {button: [0.1, 0.3]}");
+  std::vector<PatternPoint> points;
+  for (const config::Entry& e : spot.tree.entries)
+    points.push_back(
+        {e.key, point_at({e.value, spot.path + "." + e.key, spot.key}, style) - origin, e.place});
+  return points;
+}
+
 Panel read_panel(const config::Entry& entry, const Properties& p) {
-  const PatternBlock block(entry.value, "panels." + entry.key,
-                           {"translation", "rotation", "vertices", "edges", "label", "edge", "grain"},
-                           p.style.unknown);
+  const PatternBlock block(
+      entry.value, "panels." + entry.key,
+      {"translation", "rotation", "vertices", "edges", "label", "edge", "grain", "points"}, p.style.unknown);
   Panel panel;
   panel.name = entry.key;
   panel.place = entry.place;
@@ -158,8 +169,8 @@ Panel read_panel(const config::Entry& entry, const Properties& p) {
     if (spot.tree.items.size() != 3) config::fail_type(spot, "a list of 3 lengths, e.g. [0, 1, 0.2]");
     for (int k = 0; k < 3; ++k) panel.translation[k] = length_at(spot.item(k), p.style);
   }
+  Vec2 mean = Vec2::Zero();
   if (p.normalize_translation) {
-    Vec2 mean = Vec2::Zero();
     for (const Vec2& v : vertices) mean += v / double(vertices.size());
     for (Vec2& v : vertices) v -= mean;
     panel.translation.head<2>() += mean;
@@ -174,6 +185,7 @@ Panel read_panel(const config::Entry& entry, const Properties& p) {
             .toRotationMatrix();
   }
   panel.edges = read_edges(block.at("edges"), vertices, p);
+  if (block.has("points")) panel.points = read_points(block.at("points"), mean, p.style);
   if (block.has("grain")) panel.grain = degree * number_at(block.at("grain"));
   if (block.has("edge")) {
     panel.edge_length = length_at(block.at("edge"), p.style);

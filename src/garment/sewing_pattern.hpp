@@ -17,6 +17,13 @@ struct PatternEdge {
   std::string place; ///< "file:line:column", for messages
 };
 
+/// A place on a panel that has a label, such as that of a button.
+struct PatternPoint {
+  std::string label;
+  Vec2 at; ///< m, in the plane of the panel
+  std::string place;
+};
+
 /// A piece of cloth, bounded by one closed loop of edges. Seen from its right side (the outer one) the loop
 /// runs counter-clockwise: where it does so in the panel's plane, the right side faces the normal (0, 0, 1),
 /// else (0, 0, -1).
@@ -24,6 +31,7 @@ struct Panel {
   std::string name, label;
   std::string place;
   std::vector<PatternEdge> edges;
+  std::vector<PatternPoint> points;
   Vec3 translation = Vec3::Zero(); ///< m; where the plane stands: p = rotation (x, y, 0) + translation
   Mat3 rotation = Mat3::Identity();
   double grain = 0;                  ///< rad: warp runs along the y axis turned by this, counter-clockwise

@@ -1,6 +1,7 @@
 #include "src/garment/sewn_mesh.hpp"
 
 #include "partition/error.hpp"
+#include "src/config/cloths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +22,11 @@ double length_of_side(const Corners2& shape, int corners, int k) {
   return (shape[(k + 1) % corners] - shape[k]).norm();
 }
 
+using Lengths = std::map<std::pair<Global, Global>, double>;
+
 /// The lengths of all sides of the sewn mesh, the shorter where its cells disagree.
-std::map<std::pair<Global, Global>, double> lengths_of_sides(const SewnMesh& sewn) {
-  std::map<std::pair<Global, Global>, double> lengths;
+Lengths lengths_of_sides(const SewnMesh& sewn) {
+  Lengths lengths;
   for (std::size_t c = 0; c < sewn.cells.size(); ++c)
     for (int k = 0, n = sewn.cells[c].size(); k < n; ++k) {
       const double length = length_of_side(sewn.texture[c], n, k);
@@ -31,6 +34,13 @@ std::map<std::pair<Global, Global>, double> lengths_of_sides(const SewnMesh& sew
       if (!is_new) entry->second = std::min(entry->second, length);
     }
   return lengths;
+}
+
+/// `vertices` in the numbers of the sewn mesh.
+void shorten(const std::vector<Global>& vertices, double part, Lengths& lengths) {
+  const auto has = [&](Global v) { return std::binary_search(vertices.begin(), vertices.end(), v); };
+  for (auto& [ends, length] : lengths)
+    if (has(ends.first) && has(ends.second)) length *= part;
 }
 
 /// A triangle with these sides, from its first corner on, along the first axis. Where the third cannot
@@ -42,12 +52,16 @@ Corners2 triangle_of(double first, double second, double third) {
   return {Vec2::Zero(), Vec2(first, 0), Vec2(along, height), Vec2::Zero()};
 }
 
-/// Cells stay as they were cut unless a side of theirs is gathered; only triangles lie at an outline.
-void find_rest_shapes(SewnMesh& sewn) {
-  const auto lengths = lengths_of_sides(sewn);
+/// Cells stay as they were cut unless a side of theirs is gathered or elastic; only triangles lie at an
+/// outline, and quads are within a panel that is elastic as a whole.
+void find_rest_shapes(SewnMesh& sewn, const Lengths& lengths) {
   sewn.rest_shape = sewn.texture;
   for (std::size_t c = 0; c < sewn.cells.size(); ++c) {
-    if (sewn.cells[c].size() != 3) continue;
+    if (sewn.cells[c].size() == 4) {
+      const double part = lengths.at(side_of(sewn.cells[c], 0)) / length_of_side(sewn.texture[c], 4, 0);
+      for (Vec2& corner : sewn.rest_shape[c]) corner *= part;
+      continue;
+    }
     std::array<double, 3> length;
     bool same = true;
     for (int k = 0; k < 3; ++k) {
@@ -104,7 +118,21 @@ std::vector<Global> joints_of(const GarmentMesh& mesh) {
   return first;
 }
 
-SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std::string& name) {
+std::vector<ShorterSides> shorter_sides(const GarmentMesh& mesh, const Case& input, std::size_t k) {
+  std::vector<ShorterSides> shorter;
+  for (const config::Elastic& elastic : input.cloths[k].elastic) {
+    const auto found = mesh.labels.find(elastic.label);
+    if (found == mesh.labels.end())
+      throw InputError(fmt::format("{}: {}.elastic.{}.label: {}", input.file.string(),
+                                   config::key_of_cloth(input, k), shorter.size(),
+                                   no_such_label(mesh.labels, elastic.label)));
+    shorter.push_back({found->first, found->second, elastic.length});
+  }
+  return shorter;
+}
+
+SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std::string& name,
+             std::span<const ShorterSides> shorter) {
   const std::vector<Global> joint = joints_of(mesh);
   SewnMesh sewn;
   std::vector<int> count;
@@ -120,7 +148,9 @@ SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std
   }
   for (std::size_t v = 0; v < count.size(); ++v) sewn.positions[v] /= count[v];
   join_cells(mesh, name, sewn);
-  find_rest_shapes(sewn);
+  Lengths lengths = lengths_of_sides(sewn);
+  for (const ShorterSides& sides : shorter) shorten(numbers_of(sewn, sides.vertices), sides.part, lengths);
+  find_rest_shapes(sewn, lengths);
   for (const MeshedSeam& seam : mesh.seams) {
     std::vector<Global> side;
     for (const auto& pair : seam.pairs) side.push_back(pair[0]);
@@ -128,6 +158,13 @@ SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std
   }
   for (const auto& [label, vertices] : mesh.labels) sewn.labels[label] = numbers_of(sewn, vertices);
   return sewn;
+}
+
+NamedParts parts_of(const GarmentMesh& mesh, const SewnMesh& sewn) {
+  NamedParts parts = parts_of(mesh);
+  parts.labels = sewn.labels;
+  for (std::size_t s = 0; s < sewn.seam.size(); ++s) parts.seams[s].vertices = sewn.seam[s];
+  return parts;
 }
 
 } // namespace taut::garment

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/config/case.hpp"
 #include "src/garment/garment_mesh.hpp"
 
 namespace taut::garment {
@@ -15,12 +16,28 @@ struct SewnMesh {
   std::vector<Corners2> rest_shape;      ///< m, see MeshSlab
   std::vector<Global> number;            ///< of each vertex of the panels, here
   std::vector<std::vector<Global>> seam; ///< the vertices of each seam of the panels
-  std::map<std::string, std::vector<Global>> labels;
+  Labels labels;
 };
+
+/// Sides between vertices of a set are shorter at rest.
+struct ShorterSides {
+  std::string label;
+  std::vector<Global> vertices; ///< of the panels, ascending
+  double part = 1;              ///< of the length as cut
+};
+
+/// What is elastic in cloth k of a case. Throws `InputError`, naming the key, for a label that the mesh does
+/// not have.
+std::vector<ShorterSides> shorter_sides(const GarmentMesh& mesh, const Case& input, std::size_t k);
 
 /// What `mesh` becomes when its vertices are at `positions` and those that belong together are made one, in
 /// the middle. A side that two panels share is as long as the shorter of its two: the other is gathered to
-/// it. Throws `InputError` if a cell would lose a side. Not collective.
-SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std::string& name);
+/// it; so is all to what is `shorter`. Throws `InputError` if a cell would lose a side, or for a quad of
+/// which some sides are shorter. Not collective.
+SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std::string& name,
+             std::span<const ShorterSides> shorter = {});
+
+/// What the parts of a sewn garment are called; `mesh` is that of its panels.
+NamedParts parts_of(const GarmentMesh& mesh, const SewnMesh& sewn);
 
 } // namespace taut::garment

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 namespace taut::garment {
 
@@ -33,11 +32,6 @@ std::string obj_text(const GarmentMesh& mesh) {
     }
   }
   return {text.data(), text.size()};
-}
-
-std::string json_list(const std::vector<std::string>& names) {
-  using Json = nlohmann::json;
-  return Json(names).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 /// Rank 0 gives all rows.
@@ -85,7 +79,7 @@ void write_cells(RootWriter& file, std::span<const Cell> cells, const GarmentMes
   file.write("/cells/panel", panel, 1);
 }
 
-void write_seams(RootWriter& file, const GarmentMesh& mesh) {
+void write_seam_pairs(RootWriter& file, const GarmentMesh& mesh) {
   std::vector<Global> pairs, offsets{0};
   for (const MeshedSeam& seam : mesh.seams) {
     for (const auto& [a, b] : seam.pairs) pairs.insert(pairs.end(), {a, b});
@@ -95,36 +89,16 @@ void write_seams(RootWriter& file, const GarmentMesh& mesh) {
   file.write("/seams/offsets", offsets, 1);
 }
 
-void write_lists(RootWriter& file, const std::string& group, const std::vector<std::vector<Global>>& lists) {
-  std::vector<Global> all, offsets{0};
-  for (const auto& vertices : lists) {
-    all.insert(all.end(), vertices.begin(), vertices.end());
-    offsets.push_back(Global(all.size()));
-  }
-  file.write(group + "/vertices", all, 1);
-  file.write(group + "/offsets", offsets, 1);
-}
-
-void write_labels(RootWriter& file, const std::map<std::string, std::vector<Global>>& labels) {
-  std::vector<std::vector<Global>> lists;
-  for (const auto& [name, vertices] : labels) lists.push_back(vertices);
-  write_lists(file, "/labels", lists);
+std::vector<std::string> names_of(const std::vector<NamedSeam>& seams) {
+  std::vector<std::string> names;
+  for (const NamedSeam& seam : seams) names.push_back(seam.name);
+  return names;
 }
 
 void write_positions(RootWriter& file, const std::vector<Vec3>& positions) {
   std::vector<double> numbers;
   for (const Vec3& p : positions) numbers.insert(numbers.end(), p.begin(), p.end());
   file.write("/rest_positions", numbers, 3);
-}
-
-void write_names(H5Writer& file, const GarmentMesh& mesh) {
-  std::vector<std::string> panels, seams, labels;
-  for (const MeshedPanel& panel : mesh.panels) panels.push_back(panel.name);
-  for (const MeshedSeam& seam : mesh.seams) seams.push_back(seam.name);
-  for (const auto& [name, vertices] : mesh.labels) labels.push_back(name);
-  file.attribute("panels", json_list(panels));
-  file.attribute("seams", json_list(seams));
-  file.attribute("labels", json_list(labels));
 }
 
 } // namespace
@@ -138,9 +112,11 @@ void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const std::filesystem::pat
     RootWriter root(comm, file);
     write_positions(root, mesh.positions);
     write_cells(root, mesh.cells, mesh);
-    write_seams(root, mesh);
-    write_labels(root, mesh.labels);
-    write_names(file, mesh);
+    write_seam_pairs(root, mesh);
+    const NamedParts parts = share(comm, parts_of(mesh));
+    write_panels(file, parts.panels);
+    write_names(file, "seams", names_of(parts.seams));
+    write_labels(comm, file, parts.labels);
   });
 }
 
@@ -151,9 +127,10 @@ void write_h5(MPI_Comm comm, const GarmentMesh& mesh, const SewnMesh& sewn,
     write_positions(root, sewn.positions);
     write_cells(root, sewn.cells, mesh);
     write_corners(root, "/rest_shape", sewn.cells, sewn.rest_shape);
-    write_lists(root, "/seams", sewn.seam);
-    write_labels(root, sewn.labels);
-    write_names(file, mesh);
+    const NamedParts parts = share(comm, parts_of(mesh, sewn));
+    write_panels(file, parts.panels);
+    write_seams(comm, file, parts.seams);
+    write_labels(comm, file, parts.labels);
   });
 }
 

@@ -30,7 +30,8 @@ Pattern::Pattern(const DistributedMesh& mesh) {
     for (const auto& t : mesh.triples) append_pairs(t, owned, couplings);
   for (const Hinge& h : mesh.hinges) append_pairs(vertices_of(h), owned, couplings);
   for (const TrianglePatch& p : triangle_patches(mesh)) append_pairs(p.vertices, owned, couplings);
-  for (const auto& pair : mesh.seams) append_pairs(pair, owned, couplings);
+  for (const auto* pairs : {&mesh.seams, &mesh.ties})
+    for (const auto& pair : *pairs) append_pairs(pair, owned, couplings);
   sort_unique(couplings);
   if (couplings.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))
     throw std::runtime_error("this rank's part of the mesh is too large: use more ranks");

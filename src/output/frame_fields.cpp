@@ -3,6 +3,7 @@
 #include "partition/yarns.hpp"
 #include "src/config/methods.hpp"
 #include "src/constraints/averaged_metric.hpp"
+#include "src/contact/clearance.hpp"
 #include "src/contact/gap_gauge.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/output/strain_fields.hpp"
@@ -43,15 +44,67 @@ std::vector<std::int32_t> cloths_of_cells(const Cloth& cloth) {
   return number;
 }
 
+/// The number of a seam that each vertex is on; -1: none.
+std::vector<std::int32_t> seams_of_vertices(const Cloth& cloth,
+                                            const std::vector<garment::NamedSeam>& seams) {
+  const IndexMap& map = cloth.mesh.vertices;
+  std::vector<std::int32_t> seam;
+  for (Local i = 0; i < map.owned; ++i) {
+    const auto found = std::find_if(seams.begin(), seams.end(), [&](const garment::NamedSeam& s) {
+      return std::binary_search(s.vertices.begin(), s.vertices.end(), map.original[i]);
+    });
+    seam.push_back(found == seams.end() ? -1 : std::int32_t(found - seams.begin()));
+  }
+  return seam;
+}
+
+/// u along warp and v along weft, 0: of the first cell that a vertex is in; cells of other panels may have
+/// others there.
+std::vector<Vec3> texture_of_vertices(const DistributedMesh& mesh) {
+  std::vector<Vec3> texture(mesh.vertices.size(), Vec3::Zero());
+  std::vector<bool> has(texture.size(), false);
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    for (int k = 0; k < mesh.cells[c].size(); ++k) {
+      const auto i = std::size_t(mesh.cells[c].vertices[k]);
+      if (!has[i]) texture[i].head<2>() = mesh.texture[c][k];
+      has[i] = true;
+    }
+  return texture;
+}
+
+void add_clearance(const Cloth& cloth, const Obstacles& obstacles, Fields& fields) {
+  const auto clearance = std::make_shared<Clearance>(obstacles);
+  fields.push_back({"clearance", "/clearance", vertex, each_frame, "m", [&cloth, clearance](const State& s) {
+                      return clearance->measure(
+                          std::span(s.positions).first(std::size_t(cloth.mesh.vertices.owned)), s.time);
+                    }});
+}
+
 void add_contact(const Cloth& cloth, const Obstacles& obstacles, const Case& input, Fields& fields) {
   fields.push_back({"contact_force", "/contact_forces", vertex, each_frame, "N",
                     [](const State& s) { return s.reported.contact_force; }});
+  if (!obstacles.empty()) add_clearance(cloth, obstacles, fields);
   const auto gauge = std::make_shared<GapGauge>(cloth, obstacles, 2.0 * Thickness(cloth, input).largest());
   fields.push_back({"gap", "/gaps", vertex, each_frame, "m", [gauge, &obstacles](const State& s) {
                       std::vector<Vec3> bodies;
                       obstacles.place(s.time, bodies);
                       return gauge->measure(s.positions, bodies);
                     }});
+}
+
+/// Of a garment: which panel cells are of, which seam vertices are on.
+void add_parts(const Cloth& cloth, Fields& fields) {
+  const auto parts = std::make_shared<garment::NamedParts>(parts_of(cloth));
+  if (!parts->panels.empty())
+    fields.push_back({"panel", "/cells/panel", cell, shared_mesh, "", [&cloth, parts](const State&) {
+                        std::vector<std::int32_t> panel;
+                        for (const Global c : cloth.mesh.owned_cell_originals)
+                          panel.push_back(parts->panel_of(c));
+                        return panel;
+                      }});
+  if (!parts->seams.empty())
+    fields.push_back({"seam", "/seams/of_vertices", vertex, shared_mesh, "",
+                      [&cloth, parts](const State&) { return seams_of_vertices(cloth, parts->seams); }});
 }
 
 void add_yarns(const DistributedMesh& mesh, Fields& fields) {
@@ -120,6 +173,10 @@ Fields frame_fields(const Cloth& cloth, const Obstacles& obstacles, const Case& 
   if (cloth.pieces.size() > 1)
     fields.push_back({"cloth", "/cells/cloth", cell, shared_mesh, "",
                       [&cloth](const State&) { return cloths_of_cells(cloth); }});
+  add_parts(cloth, fields);
+  if (any_of(cloth.mesh.comm, !cloth.mesh.texture.empty()))
+    fields.push_back({"texture", "/texture_of_vertices", vertex, shared_mesh, "m",
+                      [&cloth](const State&) { return texture_of_vertices(cloth.mesh); }});
   if (wants(config::Field::yarn)) add_yarns(cloth.mesh, fields);
   if (wants(config::Field::strain)) {
     add_strain(cloth, fields);

@@ -77,6 +77,14 @@ void write_edges(H5Writer& file, const Cloth& cloth) {
                      edges);
 }
 
+/// Of a garment: whoever begins with it finds its labels again.
+void write_names(H5Writer& file, const Cloth& cloth) {
+  const garment::NamedParts parts = parts_of(cloth);
+  if (!parts.panels.empty()) garment::write_panels(file, parts.panels);
+  if (!parts.seams.empty()) garment::write_seams(cloth.mesh.comm, file, parts.seams);
+  if (!parts.labels.empty()) garment::write_labels(cloth.mesh.comm, file, parts.labels);
+}
+
 } // namespace
 
 void write_run_mesh(const std::filesystem::path& file, const Cloth& cloth, std::span<const FrameField> fields,
@@ -89,6 +97,7 @@ void write_run_mesh(const std::filesystem::path& file, const Cloth& cloth, std::
     write_edges(out, cloth);
     for (const FrameField& field : fields)
       if (field.home == FieldHome::shared_mesh) write_field(out, mesh, field, state);
+    write_names(out, cloth);
     if (!obstacles.empty()) obstacles.write_once(out);
   });
 }

@@ -3,6 +3,7 @@
 #include "src/state/material_coordinates.hpp"
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,6 +55,40 @@ Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces) {
     cloth.mass.push_back(cloth.pieces[cloth.piece_of(i)].material.density * cloth.measure[i]);
   cloth.rest_length = mesh.rest_lengths;
   return cloth;
+}
+
+garment::NamedParts parts_of(const Cloth& cloth) {
+  const auto& pieces = cloth.pieces;
+  if (pieces.size() == 1) return pieces[0].parts;
+  const bool has_panels =
+      std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.parts.panels.empty(); });
+  garment::NamedParts all;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const auto& [panels, seams, labels] = pieces[k].parts;
+    if (panels.empty() && has_panels) all.panels.push_back({std::to_string(k), pieces[k].first_cell});
+    for (const auto& [name, first] : panels)
+      all.panels.push_back({fmt::format("{}.{}", k, name), pieces[k].first_cell + first});
+    const auto append = [&](const std::vector<Global>& vertices, std::vector<Global>& to) {
+      for (const Global v : vertices) to.push_back(pieces[k].first_vertex + v);
+    };
+    for (const auto& [name, vertices] : seams)
+      append(vertices,
+             all.seams.emplace_back(garment::NamedSeam{fmt::format("{}.{}", k, name), {}}).vertices);
+    for (const auto& [name, vertices] : labels) append(vertices, all.labels[name]);
+  }
+  return all;
+}
+
+std::vector<Global> labelled(std::span<const Piece> pieces, const std::string& label,
+                             const std::string& key) {
+  garment::Labels labels;
+  for (const Piece& piece : pieces)
+    for (const auto& [name, vertices] : piece.parts.labels)
+      for (const Global v : vertices) labels[name].push_back(piece.first_vertex + v);
+  const auto found = labels.find(label);
+  if (found == labels.end())
+    throw InputError(fmt::format("{}: {}", key, garment::no_such_label(labels, label)));
+  return found->second;
 }
 
 double lowest(const Cloth& cloth, std::span<const Vec3> positions, const Vec3& down) {

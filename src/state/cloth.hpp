@@ -1,8 +1,7 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
 #include "src/config/case.hpp"
-
-#include <map>
+#include "src/garment/named_parts.hpp"
 
 namespace taut {
 
@@ -11,15 +10,22 @@ struct Piece {
   config::Material material;
   Global first_vertex = 0; ///< its vertices and cells follow those of the piece before
   Global first_cell = 0;
-  Global vertices = 0, cells = 0;                      ///< how many, over all ranks
-  bool triangles_only = false;                         ///< no quad and no line in it
-  std::map<std::string, std::vector<Global>> labels{}; ///< names of vertices, numbered within the piece
+  Global vertices = 0, cells = 0; ///< how many, over all ranks
+  bool triangles_only = false;    ///< no quad and no line in it
+  garment::NamedParts parts{};    ///< names, of what is numbered within the piece
+};
+
+/// Two vertices, by original numbers, that an attachment of the case draws together.
+struct Tie {
+  std::array<Global, 2> vertices;
+  std::size_t attachment;
 };
 
 /// What does not change during a run: the mesh and what the rest shape and the material make of it.
 struct Cloth {
   DistributedMesh mesh;
   std::vector<Piece> pieces;       ///< at least one
+  std::vector<Tie> ties;           ///< all, on every rank
   std::vector<double> measure;     ///< of local vertices: m^2 of cloth (m of line) that belong to each
   std::vector<double> mass;        ///< kg, of local vertices, lumped
   std::vector<double> rest_length; ///< m, of local edges
@@ -36,6 +42,15 @@ Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces);
 
 /// Of one piece. Collective.
 Cloth make_cloth(DistributedMesh distributed, const config::Material& material);
+
+/// What the parts of all cloths are called, in the numbers of all. Of several cloths the panels are named
+/// with the number of theirs, "1.front"; where any has panels, a cloth without is one, "2". Labels of one
+/// name are one.
+garment::NamedParts parts_of(const Cloth& cloth);
+
+/// The vertices with a label, of these cloths together, in the numbers of all; `key` names it in the
+/// InputError if there are none.
+std::vector<Global> labelled(std::span<const Piece> pieces, const std::string& label, const std::string& key);
 
 /// |d| / l - 1 of an edge.
 inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Local edge) {

@@ -2,17 +2,14 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
-#include "src/config/suggest.hpp"
 #include "src/state/told_apart.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace taut {
 
@@ -69,37 +66,24 @@ void require_vertex(const Slab& among, Global v, const std::string& key) {
                                  v, among.count));
 }
 
+/// All, or the one that is meant.
+std::span<const Piece> pieces_of(const config::Pin& pin, const Cloth& cloth, const Case& input) {
+  const std::span<const Piece> all(cloth.pieces);
+  return pin.cloth ? all.subspan(config::find_cloth(input, *pin.cloth).value(), 1) : all;
+}
+
 /// The vertices that a pin counts, of all cloths or of one.
 Slab counted_by(const config::Pin& pin, const Cloth& cloth, const Case& input) {
-  const Global total = cloth.mesh.vertices.total;
-  if (!pin.cloth) return {0, total, total};
-  const Piece& piece = cloth.pieces[config::find_cloth(input, *pin.cloth).value()];
-  return {piece.first_vertex, piece.vertices, total};
+  const auto pieces = pieces_of(pin, cloth, input);
+  return {pieces.front().first_vertex,
+          pieces.back().first_vertex + pieces.back().vertices - pieces.front().first_vertex,
+          cloth.mesh.vertices.total};
 }
 
-/// Of all cloths, or of the one that is meant.
-std::vector<Global> labelled(const Cloth& cloth, const std::string& label, const Slab& among,
-                             const std::string& key) {
-  std::vector<Global> vertices;
-  std::set<std::string> names;
-  for (const Piece& piece : cloth.pieces) {
-    if (!among.contains(piece.first_vertex)) continue;
-    for (const auto& [name, of_piece] : piece.labels) names.insert(name);
-    if (const auto found = piece.labels.find(label); found != piece.labels.end())
-      for (const Global v : found->second) vertices.push_back(piece.first_vertex - among.first + v);
-  }
-  if (!vertices.empty()) return vertices;
-  const std::vector<std::string> list(names.begin(), names.end());
-  const auto meant = config::nearest(label, list);
-  throw InputError(
-      fmt::format("{}.label: no edge and no panel has the label '{}'{}; {}", key, label,
-                  meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
-                  list.empty() ? "the cloth has none" : fmt::format("there are {}", fmt::join(list, ", "))));
-}
-
-std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const Slab& among,
+std::vector<Local> vertices_of(const Cloth& cloth, const Case& input, const config::Pin& pin,
                                std::span<const Vec3> start, const std::string& key) {
   const IndexMap& map = cloth.mesh.vertices;
+  const Slab among = counted_by(pin, cloth, input);
   std::vector<Local> found;
   if (pin.near) {
     for (const Vec3& point : *pin.near)
@@ -107,7 +91,9 @@ std::vector<Local> vertices_of(const Cloth& cloth, const config::Pin& pin, const
     return found;
   }
   std::vector<Global> wanted = pin.vertices.value_or(std::vector<Global>{});
-  if (pin.label) wanted = labelled(cloth, *pin.label, among, key);
+  if (pin.label)
+    for (const Global v : labelled(pieces_of(pin, cloth, input), *pin.label, key + ".label"))
+      wanted.push_back(v - among.first);
   for (const Global v : wanted) require_vertex(among, v, key + ".vertices");
   if (pin.range) require_vertex(among, (*pin.range)[1], key + ".range");
   std::sort(wanted.begin(), wanted.end());
@@ -144,7 +130,7 @@ Pins::Pins(const Cloth& cloth, const Case& input, std::span<const Vec3> start) :
   std::vector<int> pin_of(map.size(), -1);
   std::optional<std::string> fault;
   for (std::size_t k = 0; k < pins_.size(); ++k)
-    for (const Local v : vertices_of(cloth, pins_[k], counted_by(pins_[k], cloth, input), start, key(k))) {
+    for (const Local v : vertices_of(cloth, input, pins_[k], start, key(k))) {
       if (pin_of[v] >= 0 && pin_of[v] != int(k) && !fault)
         fault = fmt::format("{}: vertex {} is held by pins.{} already; a vertex can belong to one pin only",
                             key(k), map.original[v], pin_of[v]);

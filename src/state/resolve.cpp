@@ -9,10 +9,10 @@ namespace taut {
 namespace {
 
 /// In N. Collective.
-double weight_of(const Cloth& cloth, const Vec3& gravity) {
+double weight_of(const Cloth& cloth, double gravity) {
   double mass = 0;
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  return sum_over(cloth.mesh.comm, mass) * gravity.norm();
+  return sum_over(cloth.mesh.comm, mass) * gravity;
 }
 
 /// The compliance c in 1/N, unless the case says it. It is such that a taut thread which bears the whole
@@ -41,7 +41,7 @@ config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
 Resolved resolve(const Case& input, const Cloth& cloth) {
   Resolved result;
   result.inextensibility = input.inextensibility;
-  result.weight = weight_of(cloth, input.gravity);
+  result.weight = weight_of(cloth, input.gravity.largest());
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
   if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd) {

@@ -1,14 +1,16 @@
 #include "src/state/start.hpp"
 
 #include "io/mesh_file.hpp"
+#include "io/scatter.hpp"
 #include "partition/grid.hpp"
 #include "partition/mesh_check.hpp"
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/config/require_file.hpp"
 #include "src/config/up.hpp"
-#include "src/garment/labels.hpp"
 #include "src/garment/load_garment.hpp"
+#include "src/garment/sewn_mesh.hpp"
+#include "src/state/ties.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -25,20 +27,37 @@ config::UpAxis up_of(const config::Cloth& cloth) {
   return cloth.up.value_or(cloth.pattern ? config::UpAxis::y : config::UpAxis::z);
 }
 
-struct LabelledMesh {
+struct NamedMesh {
   MeshSlab slab;
-  garment::Labels labels;
+  garment::NamedParts parts;
 };
 
-LabelledMesh load_pattern(MPI_Comm comm, const Case& input, const config::Cloth& cloth) {
+/// Of a garment that is not to be sewn: what is elastic is so from the start.
+std::vector<Corners2> rest_shape_of(garment::Garment garment,
+                                    std::span<const garment::ShorterSides> shorter) {
+  garment.mesh.seams.clear();
+  return garment::sew(garment.mesh, garment.mesh.positions, garment.name, shorter).rest_shape;
+}
+
+NamedMesh load_pattern(MPI_Comm comm, const Case& input, std::size_t k) {
+  const config::Cloth& cloth = input.cloths[k];
   const auto garment = garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
+  std::vector<Corners2> rest_shape;
+  on_rank_0(comm, [&] {
+    const auto shorter = garment::shorter_sides(garment.mesh, input, k);
+    if (!shorter.empty()) rest_shape = rest_shape_of(garment, shorter);
+  });
   for (const std::string& warning : garment.mesh.warnings) // rank 0 has them
     fmt::print(stderr, "taut: warning: {}\n", warning);
   const auto joints = input.sewing ? garment::Joints::of_seams : garment::Joints::none;
-  return {garment::share_out(comm, garment, joints), garment::share_labels(comm, garment.mesh.labels)};
+  NamedMesh named{garment::share_out(comm, garment, joints),
+                  garment::share(comm, garment::parts_of(garment.mesh))};
+  if (!input.sewing && !cloth.elastic.empty())
+    named.slab.rest_shape = scatter_slabs(comm, rest_shape, named.slab.cells);
+  return named;
 }
 
-LabelledMesh load_mesh(MPI_Comm comm, const Case& input, std::size_t k) {
+NamedMesh load_mesh(MPI_Comm comm, const Case& input, std::size_t k) {
   const config::Cloth& cloth = input.cloths[k];
   const auto require = [&](const char* key, const std::optional<std::filesystem::path>& file) {
     if (file) config::require_file(comm, input, config::key_of_cloth(input, k) + key, *file);
@@ -50,9 +69,9 @@ LabelledMesh load_mesh(MPI_Comm comm, const Case& input, std::size_t k) {
     return {make_grid(comm, cloth.grid->size, cloth.grid->vertices, GridCells(cloth.grid->cells)), {}};
   if (cloth.line) return {make_line(comm, cloth.line->length, cloth.line->vertices), {}};
   const auto file = input.folder() / cloth.mesh.value_or("");
-  LabelledMesh mesh = cloth.pattern ? load_pattern(comm, input, cloth)
-                                    : LabelledMesh{read_mesh(comm, file, cloth.scale, Polygons::refuse),
-                                                   garment::read_labels(comm, file)};
+  NamedMesh mesh = cloth.pattern ? load_pattern(comm, input, k)
+                                 : NamedMesh{read_mesh(comm, file, cloth.scale, Polygons::refuse),
+                                             garment::read_named_parts(comm, file)};
   config::turn_upright(up_of(cloth), mesh.slab.rest_positions);
   return mesh;
 }
@@ -91,13 +110,13 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   Global vertices = 0, cells = 0;
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     const config::Cloth& cloth = input.cloths[k];
-    auto [slab, labels] = load_mesh(comm, input, k);
+    auto [slab, parts] = load_mesh(comm, input, k);
     ListedMesh& mesh = meshes.emplace_back(ListedMesh{std::move(slab), {}});
     if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
     Piece& piece = all.pieces.emplace_back(
-        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, labels});
+        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, parts});
     vertices += v.total;
     cells += c.total;
     auto& model = piece.material.bending_model;
@@ -109,13 +128,17 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
     if (model == config::BendingModel::yarn) mesh.topology.hinges.clear(); // nobody asks for them
   }
   all.mesh = meshes.size() == 1 ? std::move(meshes.front()) : join(comm, meshes);
+  find_ties(comm, input, all);
+  for (const Tie& tie : all.ties) all.mesh.slab.ties.push_back(tie.vertices);
   return all;
 }
 
 Cloth load_cloth(MPI_Comm comm, const Case& input) {
-  auto [mesh, pieces] = read_cloth(comm, input);
+  auto [mesh, pieces, ties] = read_cloth(comm, input);
   const auto owners = partition(comm, mesh.slab, mesh.topology, Partitioner(input.partition.method));
-  return make_cloth(distribute(comm, mesh.slab, mesh.topology, owners), std::move(pieces));
+  Cloth cloth = make_cloth(distribute(comm, mesh.slab, mesh.topology, owners), std::move(pieces));
+  cloth.ties = std::move(ties);
+  return cloth;
 }
 
 namespace {

@@ -8,6 +8,7 @@ namespace taut {
 struct UndistributedCloth {
   ListedMesh mesh; ///< without hinges where the case needs none
   std::vector<Piece> pieces;
+  std::vector<Tie> ties;
 };
 
 /// Reads or makes, checks and joins the meshes. Throws InputError for one that cannot be simulated.

@@ -12,7 +12,7 @@ std::unique_ptr<ContactProjection<Set>> make_contact_projection(const StepperPar
       parts.cloth, parts.obstacles, Thickness(parts.cloth, input),
       ContactProjectionOptions{.limits = parts.resolved.inextensibility,
                                .contact = input.contact.value_or(config::Contact{}),
-                               .gravity = input.gravity.norm(),
+                               .gravity = input.gravity.largest(),
                                .longest_step = input.time.max_step});
 }
 

@@ -2,6 +2,7 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/contact/attachments.hpp"
 #include "src/contact/penalty_springs.hpp"
 #include "src/forces/air_drag.hpp"
 #include "src/forces/angle_bending.hpp"
@@ -66,10 +67,13 @@ double twist_of(const Material& m) { return m.twist.value_or(std::sqrt(m.bending
 /// The folds of the pieces for which `has(number, material)` holds.
 template<class Has>
 Folds folds_where(const Cloth& cloth, Has&& has) {
-  return folds_of(
+  Folds folds = folds_of(
       cloth, per_piece<Rigidity>(cloth, [&](std::size_t k, const Material& m) {
         return has(k, m) ? std::optional(Rigidity{m.bending, weft_bending_of(m), twist_of(m)}) : std::nullopt;
       }));
+  stiffen_seams(cloth, per_piece(cloth, [](std::size_t, const Material& m) { return m.seam_bending; }),
+                folds);
+  return folds;
 }
 
 /// Whether the model of piece `k` can do what its material asks of it.
@@ -81,6 +85,10 @@ void check_bending(const Case& input, const Cloth& cloth, std::size_t k) {
     refuse(input, k, "bending_model",
            "yarn cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or "
            "baraff_witkin");
+  if (material.seam_bending && cloth.pieces[k].parts.seams.empty())
+    refuse(input, k, "seam_bending", "the cloth has no seams; it is for garments of a sewing pattern");
+  if (model == BendingModel::yarn && material.seam_bending)
+    refuse(input, k, "seam_bending", "yarn bends no folds; use isometric, discrete_shells or baraff_witkin");
   if (model == BendingModel::yarn && material.bending_weft)
     refuse(input, k, "bending_weft",
            "yarn bends all threads alike; use isometric, discrete_shells or baraff_witkin");
@@ -181,7 +189,7 @@ double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
   const bool has_bounds = config::is_filter(input.inextensibility.method) &&
                           input.contact_model() == config::ContactModel::constraint;
   const double part = has_bounds ? 1.0 : 0.1;
-  return sums[0] * input.gravity.norm() / (std::sqrt(sums[1]) * part * input.inextensibility.strain);
+  return sums[0] * input.gravity.largest() / (std::sqrt(sums[1]) * part * input.inextensibility.strain);
 }
 
 void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
@@ -196,11 +204,12 @@ void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 
 } // namespace
 
-Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern,
-                   const Case& input) {
+Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input,
+                   std::span<const Vec3> start) {
   Forces forces;
   // What is made of the weight, as stretch_stiffness, is the same while the cloth is sewn.
-  forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? input.sewing->gravity : input.gravity));
+  forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? config::Gravity(input.sewing->gravity)
+                                                                 : input.gravity));
   add_bending(cloth, pattern, input, forces);
   add_twist(cloth, pattern, forces);
   add_shear(cloth, pattern, input, forces);
@@ -210,6 +219,8 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,
         damping_of(cloth)));
   if (input.sewing) forces.push_back(std::make_unique<SeamForce>(cloth, pattern, *input.sewing));
+  if (!input.attachments.empty())
+    forces.push_back(std::make_unique<Attachments>(cloth, obstacles, pattern, input, start));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
   if (input.contact_model() == config::ContactModel::constraint)
     forces.push_back(std::make_unique<CarriedContact>(cloth));

@@ -26,8 +26,8 @@ constexpr double turned = 0.1; // strain that says that edges have turned much
 template<ConstraintSetInNewton Set>
 NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
     : cloth_(parts.cloth), pins_(parts.pins), options_(parts.resolved.inextensibility),
-      gravity_(input.gravity.norm() > 0 ? input.gravity.norm() : 1.0), longest_step_(input.time.max_step),
-      integrator_(input.time.integrator),
+      gravity_(input.gravity.largest() > 0 ? input.gravity.largest() : 1.0),
+      longest_step_(input.time.max_step), integrator_(input.time.integrator),
       assembly_(parts.cloth, parts.pattern, parts.forces, input.time.integrator),
       set_(parts.cloth, options_, ConstraintUse::in_newton), solver_(parts.cloth, parts.pattern, set_),
       contact_(input.contact_model() == config::ContactModel::constraint

@@ -26,14 +26,18 @@ double cpu_seconds() {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
+Vec3 down_of(const Vec3& gravity) {
+  return gravity.isZero(0) ? Vec3(-Vec3::UnitZ()) : Vec3(gravity.normalized());
+}
+
 } // namespace
 
 Simulation::Simulation(MPI_Comm comm, const Case& input)
-    : down_(input.gravity.norm() > 0 ? Vec3(input.gravity.normalized()) : Vec3(-Vec3::UnitZ())),
-      cloth_(load_cloth(comm, input)), obstacles_(comm, input), resolved_(resolve(input, cloth_)),
-      state_(start_state(cloth_, input)), start_depth_(lowest(cloth_, state_.positions, down_)),
+    : down_(down_of(input.gravity.at(0))), cloth_(load_cloth(comm, input)), obstacles_(comm, input),
+      resolved_(resolve(input, cloth_)), state_(start_state(cloth_, input)),
+      start_depth_(lowest(cloth_, state_.positions, down_)),
       acceptance_(cloth_, resolved_, input.time.max_stretch_change), pins_(cloth_, input, state_.positions),
-      pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input)),
+      pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input, state_.positions)),
       stepper_(make_stepper({cloth_, obstacles_, pattern_, pins_, resolved_, forces_}, input)),
       step_size_(input.time) {}
 

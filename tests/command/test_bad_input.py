@@ -34,6 +34,7 @@ time: {end: 0.02, frame_rate: 100}
 """
 PATTERN = ("panels: {front: {vertices: [[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]], edges: [{endpoints: [0, 1]}, "
            "{endpoints: [1, 2]}, {endpoints: [2, 3]}, {endpoints: [3, 0]}]}}\n")
+LABELLED = PATTERN.replace("[2, 3]}", "[2, 3], label: waists}")
 BODY = "v 0 0 -1\nv 1 0 -1\nv 0 1 -1\nf 1 2 3\n"
 BALL = "union: {parts: [{sphere: {centre: [0, 0, -1], radius: 10 cm}}], "
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -321,6 +322,18 @@ MISTAKES = [
             arguments=("mesh", "pattern.yaml", "--edge", "20cm", "--svg", "result.svg")),
     Mistake("pattern_without_edge", "taut: case.yaml:1:8: cloth.edge: is missing; a pattern needs the length of the "
             "edges of its mesh, e.g. 5 mm", "cloth: {pattern: pattern.yaml}\n"),
+    Mistake("elastic_label", "taut: case.yaml: cloth.elastic.0.label: no edge and no panel has the label 'waist' (did "
+            "you mean 'waists'?); there are waists", "cloth: {pattern: p.yaml, edge: 5 cm, elastic: [{label: waist, "
+            "length: 70 %}]}\n", files={"p.yaml": LABELLED}),
+    Mistake("attachment_label", "taut: case.yaml: attachments.0.to: no edge and no panel has the label 'hole'; there "
+            "are waists", "cloth: {pattern: p.yaml, edge: 5 cm}\nattachments: [{label: waists, to: hole}]\n",
+            files={"p.yaml": LABELLED}),
+    Mistake("start_run_without_a_run", "taut: case.yaml: cloth.start.run: nowhere: holds no run with frames",
+            "cloth: {pattern: p.yaml, edge: 5 cm, start: {run: nowhere}}\n", files={"p.yaml": LABELLED}),
+    added("attachment_obstacle", "attachments: [{label: a, obstacle: hips}]",
+          "taut: case.yaml:5:36: attachments.0.obstacle: there is no obstacle 'hips': the case has none"),
+    added("attachment_to_nothing", "attachments: [{label: a}]",
+          "taut: case.yaml:5:23: attachments.0.label: needs one of to and obstacle: what it is drawn to"),
     Mistake("mesh_format_unknown", "taut: --out result.stl: the extension '.stl' is not known; give a mesh file .obj "
             "or .h5", files={"pattern.yaml": PATTERN},
             arguments=("mesh", "pattern.yaml", "--edge", "1cm", "--out", "result.stl")),

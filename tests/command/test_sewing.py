@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Two panels that are sewn into a tube around a post, then hang from their upper edge."""
+import json
 import os
 import shutil
 import signal
@@ -31,9 +32,13 @@ time: {end: 0.2, frame_rate: 20, max_step: 10 ms}
 """
 
 
-def last_positions(run):
+def last_frame(run):
     file = sorted((run / "frames").iterdir())[-1]
-    return frame(run, file.relative_to(run))["positions"]
+    return frame(run, file.relative_to(run))
+
+
+def last_positions(run):
+    return last_frame(run)["positions"]
 
 
 class Sewing(Temporary):
@@ -65,6 +70,57 @@ class Sewing(Temporary):
         seam = 6  # vertices of each of two seams
         self.assertEqual(len(sewn["rest_positions"]), len(unsewn["rest_positions"]) - 2 * seam)
         self.assertLess(np.ptp(last_positions(run)[:, 2]), 0.21)
+
+        self.assertEqual(json.loads(str(sewn["panels"])), ["front", "back"])
+        self.assertEqual(json.loads(str(sewn["seams"])), ["front.1-back.3", "front.3-back.1"])
+        np.testing.assert_array_equal(np.bincount(sewn["seams/of_vertices"] + 1)[1:], [seam, seam])
+        self.assertEqual(set(sewn["cells/panel"]), {0, 1})
+        waist = sewn["labels/vertices"]
+        np.testing.assert_allclose(sewn["rest_positions"][waist, 2], 0.2, atol=2e-3)
+        last = last_frame(run)
+        around = np.linalg.norm(last["positions"][:, :2], axis=1)
+        np.testing.assert_allclose(last["clearance"], around - 0.04, atol=1e-6)
+        texture = sewn["texture_of_vertices"]
+        self.assertAlmostEqual(np.ptp(texture[:, 0]), 0.2, 6)  # along warp
+
+    def test_a_pattern_goes_from_coarse_to_fine(self):
+        coarse = self.sewn("coarse")
+        code, _, err = self.taut("run", "case.yaml", "--from", "coarse", "--out", "fine", "--set", "cloth.edge=0.02",
+                                 "--set", "time.end=0.1", ranks=2)
+        self.assertEqual((code, err), (0, ""))
+        summary = Run(self.folder / "fine").summary
+        self.assertLessEqual(summary["strain"]["max"], 0.01)
+        self.assertEqual(summary["contact"]["intersections"], 0)
+        self.assertFalse((self.folder / "fine/sewing").exists())
+        begun, old = frame(self.folder / "fine", "frames/frame_000000.h5")["positions"], last_positions(coarse)
+        self.assertGreater(len(begun), 3 * len(old))
+        for axis in range(3):
+            self.assertAlmostEqual(begun[:, axis].min(), old[:, axis].min(), 2)
+            self.assertAlmostEqual(begun[:, axis].max(), old[:, axis].max(), 2)
+
+    def test_elastic_edges_and_what_is_fastened(self):
+        (self.folder / "more.yaml").write_text(PATTERN.replace("back: {", "back: {points: {button: [0, 0.02]}, ")
+                                               .replace("front: {", "front: {points: {hole: [0, 0.02]}, "))
+        post = "obstacles=[{name: post, capsule: {from: [0, 0, -0.3], to: [0, 0, 0.5], radius: 2 cm}, " \
+               "motion: [{time: 0}, {time: 1, translate: [0, 0, 1]}]}]"
+        code, _, err = self.taut(
+            "run", "case.yaml", "--out", "run", "--set", "cloth.pattern=more.yaml", "--set", "time.end=0.6", "--set",
+            "cloth.elastic=[{label: waist, length: 80 %}]", "--set", "pins=[]", "--set", post, "--set",
+            "attachments=[{label: waist, obstacle: post}, {label: button, to: hole, length: 5 cm, force: 20}]")
+        self.assertEqual((code, err), (0, ""))
+        run = self.folder / "run"
+        self.assert_sound(run)
+        mesh, last = frame(run, "mesh.h5"), last_frame(run)["positions"]
+        names, offsets = json.loads(str(mesh["labels"])), mesh["labels/offsets"]
+        label = {name: mesh["labels/vertices"][offsets[k]:offsets[k + 1]] for k, name in enumerate(names)}
+        edges, lengths = mesh["constraints/edges"], mesh["constraints/rest_lengths"]
+        is_waist = np.isin(edges, label["waist"]).all(axis=1)
+        self.assertAlmostEqual(lengths[is_waist].sum(), 0.8 * 0.4, 6)
+        now = np.linalg.norm(last[edges[is_waist, 0]] - last[edges[is_waist, 1]], axis=1).sum()
+        self.assertLess(now, 1.05 * 0.8 * 0.4)  # of single triangles
+        self.assertAlmostEqual(last[label["waist"], 2].mean(), 0.2 + 0.6, delta=0.02)  # went up with the post
+        apart = np.linalg.norm(last[label["button"][0]] - last[label["hole"][0]])
+        self.assertLess(apart, 0.052)
 
     def test_any_number_of_ranks_sews_alike(self):
         first = last_positions(self.sewn("one"))

@@ -120,7 +120,7 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_EQ(c.pins[1].motion.size(), 2u);
   EXPECT_EQ(c.pins[1].motion[1].rotate.centre, Vec3(0.5, 0, 0));
   EXPECT_EQ(c.pins[2].near->at(1), Vec3(1, 0, 0));
-  EXPECT_EQ(c.gravity, Vec3(0, 0, -1.62));
+  EXPECT_EQ(c.gravity.at(0), Vec3(0, 0, -1.62));
   EXPECT_DOUBLE_EQ(c.air->wind.x(), 20 / 3.6);
   EXPECT_EQ(c.air->gust, (config::Gust{1, 2, 3}));
   EXPECT_EQ(c.time, (config::Time{.end = 120, .frame_rate = 25, .max_step = 0.003, .min_step = 1e-6}));
@@ -129,6 +129,18 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_FALSE(c.inextensibility.carried_tension);
   EXPECT_EQ(c.partition.method, config::PartitionMethod::stripes);
   EXPECT_EQ(c.output.fields, (std::vector<Field>{Field::tension, Field::position}));
+}
+
+TEST(Config, GravityIsAVectorOrKeyframes) {
+  const Case c = read(grid + "gravity: [{time: 1, value: [0, 0, -9]}, {time: 3, value: [0, 0, 9]}]");
+  EXPECT_EQ(c.gravity.at(0), Vec3(0, 0, -9));
+  EXPECT_EQ(c.gravity.at(1.5), Vec3(0, 0, -4.5));
+  EXPECT_EQ(c.gravity.at(4), Vec3(0, 0, 9));
+  EXPECT_EQ(c.gravity.largest(), 9);
+  EXPECT_EQ(read_case(write_case(c), "case.yaml").gravity, c.gravity);
+  EXPECT_EQ(error(grid + "gravity: [{time: 1, value: [0, 0, 1]}, {time: 1, value: [0, 0, 2]}]"),
+            at("2:10", "gravity: times must increase from keyframe to keyframe; sort them"));
+  EXPECT_THAT(error(grid + "gravity: [{time: 1}]"), testing::HasSubstr("gravity.0: missing key 'value'"));
 }
 
 TEST(Config, Quantities) {
@@ -307,7 +319,7 @@ TEST(Config, Table) {
         "| `pins[].vertices` | list of integers >= 0 |  | exactly one of these |",
         "| `pins[].near` | list of 3 numbers | m |",
         "| `pins[].motion[].time` | number >= 0 | s | required |",
-        "| `gravity` | 3 numbers | m/s^2 | `[0,0,-9.81]` |",
+        "| `gravity` | 3 numbers, or list of blocks | m/s^2 | `[0,0,-9.81]` |",
         "| `velocity.solver` | `cg`, `mumps` |  | `\"cg\"` |", "| `air` | block |  | vacuum |"})
     EXPECT_NE(table.find(row), std::string::npos) << row << "\n" << table;
 }
@@ -567,8 +579,8 @@ TEST(ConfigOverride, SetsValues) {
   EXPECT_EQ(read(grid, {{"time.end", "2"}, {"time.end", "3"}}).time.end, 3);
   EXPECT_EQ(read(pinned, {{"pins.0.release", "1.0"}}).pins[0].release, 1.0);
   EXPECT_EQ(read(pinned, {{"pins.0.vertices.0", "8"}}).pins[0].vertices, std::vector<Global>{8});
-  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}}).gravity, Vec3(0, 0, -1));
-  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}, {"gravity.0", "5"}}).gravity, Vec3(5, 0, -1));
+  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}}).gravity.at(0), Vec3(0, 0, -1));
+  EXPECT_EQ(read(grid, {{"gravity", "[0, 0, -1]"}, {"gravity.0", "5"}}).gravity.at(0), Vec3(5, 0, -1));
   EXPECT_EQ(read(grid, {{"pins", "[{near: [[0, 0, 0]]}]"}}).pins.size(), 1u);
 }
 

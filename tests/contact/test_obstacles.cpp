@@ -1,4 +1,5 @@
 // Obstacles that are made of others, or turn.
+#include "src/contact/clearance.hpp"
 #include "src/contact/union_mesh.hpp"
 #include "src/output/intersection_check.hpp"
 #include "tests/simulate.hpp"
@@ -64,6 +65,26 @@ Ride ride(std::string_view obstacle, double angle, double friction) {
   const std::size_t first = at(0.35), last = times.size() - 1;
   return {places[at(0.3)] - places[0], (speed(last) - speed(first)) / (times[last] - times[first]), farthest,
           check.count()};
+}
+
+TEST(Clearance, IsTheDistanceToTheNearestBody) {
+  const Case input = case_of("cloth: {grid: {size: [1, 1], vertices: [3, 3]}}\n"
+                             "obstacles:\n"
+                             "  - {sphere: {centre: [0, 0, 0.3], radius: 0.2}, thickness: 0.01}\n"
+                             "  - {capsule: {from: [1, 0, 0], to: [1, 1, 0], radius: 0.1}}\n"
+                             "  - {box: {min: [-1, -1, -1], max: [-0.5, 1, 0]},\n"
+                             "     motion: [{time: 0}, {time: 1, translate: [0, 0, 1]}]}\n"
+                             "  - {plane: {point: [0, 0, -2]}}\n");
+  const Obstacles obstacles(world, input);
+  Clearance clearance(obstacles);
+  for (const double time : {0.0, 0.7}) {
+    const auto places = random_vectors(200, 1.5, unsigned(10 * time));
+    const auto found = clearance.measure(places, time);
+    std::vector<Vec3> bodies;
+    obstacles.place(time, bodies);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      EXPECT_EQ(found[i], obstacles.nearest(places[i], bodies).distance);
+  }
 }
 
 TEST(TurningPlane, HoldsAPatchBelowCoulombsAngle) {

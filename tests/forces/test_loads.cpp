@@ -125,6 +125,23 @@ TEST_F(Loads, CarriedTensionIsALaplacian) {
   });
 }
 
+TEST(Gravity, IsThatOfTheEndOfTheStep) {
+  const Bed bed(serial([](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {3, 3}); }));
+  config::Gravity turning;
+  turning.keyframes = {{0, {0, 0, -8}}, {2, {0, 0, 8}}};
+  State state{.time = 0.5, .positions = bed.cloth.mesh.rest_positions};
+  for (Vec3& x : state.positions) x[2] = 2;
+  StepSystem system(bed.pattern, bed.cloth.mesh.vertices.size());
+  system.start(1.0);
+  Gravity gravity(bed.cloth, turning);
+  gravity.add_to(system, state);
+  Vec3 force = Vec3::Zero();
+  for (const Vec3& f : system.rhs()) force += f;
+  const double mass = material.density * 0.8 * 0.6;
+  EXPECT_LT((force - mass * Vec3(0, 0, 4)).norm(), round_off); // at 1.5 s
+  EXPECT_NEAR(gravity.energy(state), mass * 4 * 2, round_off); // at 0.5 s
+}
+
 TEST(Gravity, BearsTheWholeWeightOnce) {
   constexpr double area = 0.8 * 0.6;
   const auto grid = [](MPI_Comm comm) { return make_grid(comm, {0.8, 0.6}, {9, 7}); };

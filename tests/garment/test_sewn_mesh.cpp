@@ -1,7 +1,7 @@
 // Garments that are sewn: what is joined, how long its sides are, files.
 #include "io/mesh_file.hpp"
 #include "partition/topology.hpp"
-#include "src/garment/labels.hpp"
+#include "src/garment/named_parts.hpp"
 #include "src/garment/write_mesh.hpp"
 #include "tests/garment/patterns.hpp"
 
@@ -104,6 +104,34 @@ TEST(Sewn, GathersToTheShorterEdge) {
   EXPECT_NEAR(length, 0.12, 1e-9);
 }
 
+TEST(Sewn, ElasticEdgesAreShorterAndTheClothBesideThemIsNot) {
+  const GarmentMesh mesh = mesh_garment(
+      pattern_of("panels:\n" + rectangle("front", 0.2, 0.1, "    label: all\n") + "stitches: []\n"),
+      {0.01, {}});
+  ShorterSides waist{"waist", {}, 0.7};
+  for (Global v = 0; v < Global(mesh.positions.size()); ++v)
+    if (mesh.positions[v][1] > 0.1 - 1e-9) waist.vertices.push_back(v);
+  const SewnMesh sewn = sew(mesh, mesh.positions, "skirt", std::span(&waist, 1));
+  double elastic = 0, plain = 0;
+  for (std::size_t c = 0; c < sewn.cells.size(); ++c)
+    for (int k = 0, n = sewn.cells[c].size(); k < n; ++k) {
+      const Global a = sewn.cells[c].vertices[k], b = sewn.cells[c].vertices[(k + 1) % n];
+      const double now = (sewn.rest_shape[c][(k + 1) % n] - sewn.rest_shape[c][k]).norm(),
+                   cut = (sewn.texture[c][(k + 1) % n] - sewn.texture[c][k]).norm();
+      const bool is_elastic =
+          std::ranges::binary_search(waist.vertices, a) && std::ranges::binary_search(waist.vertices, b);
+      EXPECT_NEAR(now, (is_elastic ? 0.7 : 1) * cut, 1e-9);
+      (is_elastic ? elastic : plain) += now;
+    }
+  EXPECT_NEAR(elastic, 0.7 * 0.2, 1e-9);
+  EXPECT_GT(plain, 1.0);
+  const ShorterSides all{"all", mesh.labels.at("all"), 0.8}; // quads too
+  const SewnMesh small = sew(mesh, mesh.positions, "skirt", std::span(&all, 1));
+  for (std::size_t c = 0; c < small.cells.size(); ++c)
+    EXPECT_NEAR(area_of(small.rest_shape[c], small.cells[c].size()),
+                0.64 * area_of(small.texture[c], small.cells[c].size()), 1e-12);
+}
+
 TEST(Sewn, IsReadAgainAsAMeshWithoutFault) {
   std::string folder = (fs::temp_directory_path() / "taut-sewn-XXXXXX").string();
   folder = broadcast(world, [&] { return std::string(mkdtemp(folder.data())); });
@@ -118,7 +146,19 @@ TEST(Sewn, IsReadAgainAsAMeshWithoutFault) {
         EXPECT_EQ(slab.rest_shape[c][k], sewn.rest_shape[std::size_t(slab.cells.first) + c][k]);
     const Topology topology = find_topology(world, slab); // refuses flipped faces and third ones
     for (const EdgeFaces& hinge : topology.hinges) EXPECT_GT(hinge.at_rest.length, 0.0);
-    EXPECT_EQ(read_labels(world, file), sewn.labels);
+    const NamedParts parts = read_named_parts(world, file), expected = parts_of(mesh, sewn);
+    EXPECT_EQ(parts.labels, sewn.labels);
+    ASSERT_EQ(parts.panels.size(), mesh.panels.size());
+    for (std::size_t p = 0; p < parts.panels.size(); ++p) {
+      EXPECT_EQ(parts.panels[p].name, mesh.panels[p].name);
+      EXPECT_EQ(parts.panels[p].first_cell, mesh.panels[p].first_cell);
+      EXPECT_EQ(parts.panel_of(mesh.panels[p].first_cell + mesh.panels[p].cells - 1), int(p));
+    }
+    ASSERT_EQ(parts.seams.size(), expected.seams.size());
+    for (std::size_t s = 0; s < parts.seams.size(); ++s) {
+      EXPECT_EQ(parts.seams[s].name, expected.seams[s].name);
+      EXPECT_EQ(parts.seams[s].vertices, expected.seams[s].vertices);
+    }
   }
   MPI_Barrier(world);
   if (rank_of(world) == 0) fs::remove_all(folder);
