@@ -28,7 +28,7 @@ void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) 
 
 /// Millimetres and inches taken for metres.
 void add_scale(const Simulation& simulation, const Case&, Warnings& warnings) {
-  constexpr double widest = 100, narrowest = 1e-3; // m
+  constexpr double too_wide = 100, narrowest = 1e-3; // m
   const DistributedMesh& mesh = simulation.cloth().mesh;
   std::array<double, 6> ends;
   ends.fill(-HUGE_VAL);
@@ -39,7 +39,7 @@ void add_scale(const Simulation& simulation, const Case&, Warnings& warnings) {
     }
   max_in_place(mesh.comm, ends);
   const double width = std::max({ends[0] + ends[3], ends[1] + ends[4], ends[2] + ends[5]});
-  if (width > widest || width < narrowest)
+  if (width >= too_wide || width < narrowest)
     warnings.push_back(
         fmt::format("the cloth is {:.3g} m wide; if its mesh is in other units, give `scale`, the "
                     "metres per unit",

@@ -59,7 +59,7 @@ struct Inextensibility {
   double residual = 0.3; ///< of newton
   bool carried_tension = true;
   std::optional<double> compliance;  ///< 1/N; absent: see EdgeConstraints
-  bool may_bound_compliance = false; ///< no key: set where the default is put in, see most_part
+  bool may_bound_compliance = false; ///< no key: set where the default is put in, see compliance_bounds
   std::optional<Shake> shake;        ///< the blocks of single methods; absent: their defaults
   std::optional<Limiting> limiting;
   std::optional<Xpbd> xpbd;

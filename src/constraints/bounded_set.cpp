@@ -30,32 +30,32 @@ double BoundedSet<Set>::strain(std::span<const Vec3> x) const {
 template<ConstraintSet Set>
 SolveReport BoundedSet<Set>::solve(double tolerance) {
   if (bounds_.any()) return solve_matrix_free(cloth_.mesh, *this, tolerance);
-  bounds_.take({});
+  bounds_.add({});
   return set_.solve(tolerance);
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::program_residual(std::span<double> residual) const {
-  set_.program_residual(of_set(residual));
-  bounds_.program_residual(of_bounds(residual));
+  set_.program_residual(parts().of_first(residual));
+  bounds_.program_residual(parts().of_second(residual));
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::program_tolerance(double part_of_limit, std::span<double> tolerance) const {
-  set_.program_tolerance(part_of_limit, of_set(tolerance));
-  bounds_.program_tolerance(part_of_limit, of_bounds(tolerance));
+  set_.program_tolerance(part_of_limit, parts().of_first(tolerance));
+  bounds_.program_tolerance(part_of_limit, parts().of_second(tolerance));
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::program_guess(std::span<double> guess) const {
-  set_.program_guess(of_set(guess));
-  std::ranges::fill(of_bounds(guess), 0.0);
+  set_.program_guess(parts().of_first(guess));
+  std::ranges::fill(parts().of_second(guess), 0.0);
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::residual(std::span<double> rows) const {
-  set_.residual(of_set(rows));
-  bounds_.residual(of_bounds(rows));
+  set_.residual(parts().of_first(rows));
+  bounds_.residual(parts().of_second(rows));
 }
 
 template<ConstraintSet Set>
@@ -66,14 +66,14 @@ void BoundedSet<Set>::factor(std::span<const double> metric) {
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::precondition(std::span<const double> r, std::span<double> s) const {
-  set_.precondition(of_set(r), of_set(s));
-  bounds_.precondition(of_bounds(r), of_bounds(s));
+  set_.precondition(parts().of_first(r), parts().of_first(s));
+  bounds_.precondition(parts().of_second(r), parts().of_second(s));
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::begin_spread(std::span<const double> z) {
-  set_.begin_spread(of_set(z));
-  multiplier_ = of_bounds(z);
+  set_.begin_spread(parts().of_first(z));
+  multiplier_ = parts().of_second(z);
 }
 
 template<ConstraintSet Set>
@@ -84,14 +84,14 @@ void BoundedSet<Set>::end_spread(std::span<Vec3> field) {
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::subtract_difference(std::span<const Vec3> u, std::span<double> rows) {
-  set_.subtract_difference(u, of_set(rows));
-  bounds_.subtract_difference(u, of_bounds(rows));
+  set_.subtract_difference(u, parts().of_first(rows));
+  bounds_.subtract_difference(u, parts().of_second(rows));
 }
 
 template<ConstraintSet Set>
 void BoundedSet<Set>::add(std::span<const double> z) {
-  set_.add(of_set(z));
-  bounds_.take(of_bounds(z));
+  set_.add(parts().of_first(z));
+  bounds_.add(parts().of_second(z));
 }
 
 template class BoundedSet<MetricSet>;

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/constraints/mixed_set.hpp"
+#include "src/constraints/row_parts.hpp"
 #include "src/constraints/triangle_bounds.hpp"
 
 namespace taut {
@@ -24,6 +25,11 @@ public:
   Vec3 displacement(Local vertex) const { return set_.displacement(vertex) + bounds_.displacement(vertex); }
 
   std::size_t rows() const { return set_.rows() + bounds_.rows(); }
+  /// See OneSidedSet.
+  std::size_t equations() const { return set_.rows(); }
+  void program_bounds(std::span<double> lower, std::span<double> upper) const {
+    bounds_.program_bounds(lower, upper);
+  }
   std::span<const double> program_compliance() const { return compliance_; }
   void keep_strain(double part) {
     set_.keep_strain(part);
@@ -44,15 +50,7 @@ public:
   const Freedom& freedom() const { return set_.freedom(); }
 
 private:
-  template<class T>
-  std::span<T> of_set(std::span<T> rows) const {
-    return rows.first(set_.rows());
-  }
-  template<class T>
-  std::span<T> of_bounds(std::span<T> rows) const {
-    return rows.subspan(set_.rows());
-  }
-
+  RowParts parts() const { return {set_.rows()}; }
   const Cloth& cloth_;
   double limit_;
   Set set_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <vector>
 
 namespace taut {
 
@@ -16,20 +17,31 @@ enum class ConstraintUse {
   in_newton ///< multipliers of the last step are taken whole, pushes too
 };
 
-/// The scaled compliance a of a row: what is asked, which grows as 1/h^2, but no more than a small part of
-/// what the row yields by its masses, so that halving a step in which something strikes or pulls hard does
-/// not soften the cloth.
-inline double bounded_compliance(double asked, double yields, double most_part) {
-  return std::min(asked, most_part * yields);
+/// What bounds the compliance of rows.
+struct ComplianceBounds {
+  double part = HUGE_VAL;   ///< the scaled compliance is at most so much of what the row yields by its masses
+  double strain = HUGE_VAL; ///< to which a row yields however hard it is pulled
+};
+
+/// With contact programs take few products, and their rows must not be softer than these reach. Alone rows
+/// are, or a thread that is pulled straight is not solved; but strain that grows with tension breaks the
+/// limit where something pulls hard, and more so in shorter steps, where tension is larger. A compliance that
+/// the case gives is the material's, and has no bound; nor has it where contact has the last word, because
+/// stiff edges would throw back what it has strained.
+inline ComplianceBounds compliance_bounds(const config::Inextensibility& options, ConstraintUse use) {
+  if (use == ConstraintUse::with_contact) return {.part = 1e-3};
+  if (options.may_bound_compliance) return {.strain = 0.5 * options.strain};
+  return {};
 }
 
-/// That part. A compliance that the case gives is the material's, and has no bound without contact; nor has
-/// it where contact has the last word, because stiff edges would throw back what it has strained.
-inline double most_part(const config::Inextensibility& options, ConstraintUse use, double alone,
-                        double otherwise) {
-  if (use == ConstraintUse::with_contact) return otherwise;
-  if (!options.may_bound_compliance) return HUGE_VAL;
-  return use == ConstraintUse::alone ? alone : otherwise;
+/// How far a row yields to its multiplier, and by how much more to a larger one: a mu at first, `most` in the
+/// end.
+struct Yield {
+  double length, slope;
+};
+inline Yield yield(double compliance, double mu, double most) {
+  const double linear = compliance * mu, root = std::sqrt(1 + linear / most * (linear / most));
+  return {linear / root, compliance / (root * root * root)};
 }
 
 /// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the
@@ -105,6 +117,25 @@ concept ConstraintSet = requires(S set, const S& fixed, const State& start, doub
   { fixed.inverse_mass() } -> std::convertible_to<std::span<const double>>; ///< of local vertices, 0 if held
   { fixed.freedom() } -> std::same_as<const Freedom&>;
 };
+
+/// A set whose rows behind the first `equations()` are one-sided: increments of their multipliers have
+/// bounds.
+template<class S>
+concept OneSidedSet = ConstraintSet<S> && requires(const S& fixed, std::span<double> rows) {
+  { fixed.equations() } -> std::convertible_to<std::size_t>;
+  fixed.program_bounds(rows, rows);
+};
+
+/// How many rows of a set are equations; the rest have `lower` and `upper`.
+template<ConstraintSet Set>
+std::size_t bound_rows(const Set& set, std::vector<double>& lower, std::vector<double>& upper) {
+  std::size_t equations = set.rows();
+  if constexpr (OneSidedSet<Set>) equations = set.equations();
+  lower.resize(set.rows() - equations);
+  upper.resize(lower.size());
+  if constexpr (OneSidedSet<Set>) set.program_bounds(lower, upper);
+  return equations;
+}
 
 /// What Newton's method on the whole step asks of a set besides.
 template<class S>

@@ -12,14 +12,13 @@ namespace taut {
 /// Tensions are told by mu = h^2 lambda: the force density of an edge is q = 2 mu/(l h^2), in N/m. Each
 /// constraint has a compliance c, the strain of an edge per newton of its tension, so that C = a mu with a =
 /// 4 l c/h^2. Without it a thread pulled straight between two pins makes systems singular: what little it may
-/// sag asks for a tension without bound. In short steps a is bounded, see bounded_compliance.
+/// sag asks for a tension without bound. What it does is bounded, see ComplianceBounds.
 class EdgeConstraints {
 public:
-  /// `cloth` must outlive the constraints; no compliance in `options` is none. The scaled one is at most a
-  /// part, `most_compliance`, of what an edge yields. Local edges whose entry of `constrained` is 0 have no
-  /// constraint, in that no motion changes it; if it is empty, all have.
+  /// `cloth` must outlive the constraints; no compliance in `options` is none. Local edges whose entry of
+  /// `constrained` is 0 have no constraint, in that no motion changes it; if it is empty, all have.
   EdgeConstraints(const Cloth& cloth, const config::Inextensibility& options,
-                  double most_compliance = HUGE_VAL, std::vector<char> constrained = {});
+                  const ComplianceBounds& bounds = {}, std::vector<char> constrained = {});
 
   /// For a step over `dt` in which vertices move only as `freedom` allows. Not collective.
   void start(double dt, const Freedom& freedom);
@@ -39,8 +38,8 @@ public:
   /// The same strain alone. Collective.
   double strain(std::span<const Vec3> x) const;
 
-  /// C - a mu of owned edges; 0 of those that no motion changes, as between two held vertices. Not
-  /// collective.
+  /// C less what edges yield to mu (a mu, see Yield), of owned edges; 0 of those that no motion changes, as
+  /// between two held vertices. Not collective.
   void residual(std::span<const double> mu, std::span<double> c) const;
 
   /// Of J^T mu the part of a vertex in the directions in which it may move, for gradients that may be those
@@ -54,13 +53,16 @@ public:
   void to_force_density(std::span<const double> mu, std::span<double> force_density) const;
 
   const Cloth& cloth() const { return cloth_; }
-  std::span<const double> lengths() const {
-    return lengths_;
-  } ///< m, of owned edges along their gradients, as `start` made them
+  std::span<const double> lengths() const { return lengths_; } ///< m, of owned edges along their gradients
   const std::vector<Vec3>& gradients() const { return gradients_; }                ///< of local edges
   std::span<const double> scaled_compliance() const { return scaled_compliance_; } ///< a, of owned edges
   std::span<const double> inverse_mass() const { return inverse_mass_; } ///< of local vertices, 0 if held
   const Freedom& freedom() const { return freedom_; }
+
+  /// Of an owned edge.
+  Yield yield_to(double mu, Local edge) const {
+    return yield(scaled_compliance_[edge], mu, 2 * cloth_.rest_length[edge] * bounds_.strain);
+  }
 
   /// Whether any motion that is free changes the value of an edge. Not collective.
   bool can_change(Local edge) const;
@@ -68,12 +70,14 @@ public:
   bool has(Local edge) const { return constrained_.empty() || constrained_[edge] != 0; }
 
 private:
-  /// At the edge vector `at`, for one that is `d`; returns the |strain| of an owned edge.
+  template<class At>
+  double linearize_all(std::span<const Vec3> x, const At& at);
   double linearize(Local edge, const Vec3& d, const Vec3& at);
 
   const Cloth& cloth_;
   std::vector<char> constrained_;
-  double compliance_, most_compliance_; ///< c, in 1/N; of what an edge yields
+  double compliance_; ///< c, in 1/N
+  ComplianceBounds bounds_;
   double dt_ = 0;
   Freedom freedom_;
   std::vector<Vec3> gradients_;

@@ -6,25 +6,16 @@
 
 namespace taut {
 
-namespace {
-
-/// Alone there is none: with 3e-4 a skirt that folds, with 2e-4 a grid that hangs by a straight thread found
-/// no step. Without it, one whose pins are jerked at a limit of 0.1 % does not.
-double most_compliance(const config::Inextensibility& options, ConstraintUse use) {
-  return most_part(options, use, HUGE_VAL, 1e-3);
-}
-
-} // namespace
-
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use,
                  std::vector<char> constrained)
-    : constraints_(cloth, options, most_compliance(options, use), std::move(constrained)), options_(options),
-      use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()),
+    : constraints_(cloth, options, compliance_bounds(options, use), std::move(constrained)),
+      options_(options), use_(use), yarns_(cloth.mesh), change_(cloth.mesh.edges.size()),
+      mu_(cloth.mesh.edges.size()), slopes_(cloth.mesh.edges.owned),
       program_compliance_(cloth.mesh.edges.owned) {}
 
 EdgeSet::EdgeSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : constraints_(cloth, options, most_compliance(options, use)), options_(options), use_(use),
-      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()) {
+    : constraints_(cloth, options, compliance_bounds(options, use)), options_(options), use_(use),
+      change_(cloth.mesh.edges.size()), mu_(cloth.mesh.edges.size()), slopes_(cloth.mesh.edges.owned) {
   if (use != ConstraintUse::with_contact) system_.emplace(cloth.mesh, solver_options(options));
   if (use == ConstraintUse::alone) return;
   yarns_.emplace(cloth.mesh);
@@ -42,8 +33,9 @@ void EdgeSet::start(const State& start, double dt, const Freedom& freedom, const
 double EdgeSet::evaluate(std::span<const Vec3> x) {
   const double strain = use_ == ConstraintUse::with_contact ? constraints_.evaluate(x, start_->positions)
                                                             : constraints_.evaluate(x);
+  for (std::size_t e = 0; e < slopes_.size(); ++e) slopes_[e] = constraints_.yield_to(mu_[e], Local(e)).slope;
   for (std::size_t e = 0; e < program_compliance_.size(); ++e)
-    program_compliance_[e] = constraints_.can_change(Local(e)) ? constraints_.scaled_compliance()[e] : 1.0;
+    program_compliance_[e] = constraints_.can_change(Local(e)) ? slopes_[e] : 1.0;
   return strain;
 }
 
@@ -60,7 +52,7 @@ void EdgeSet::finish(Candidate& candidate) const {
 }
 
 SolveReport EdgeSet::solve(double tolerance) {
-  system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), constraints_.scaled_compliance());
+  system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), slopes_);
   constraints_.residual(mu_, change_);
   const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver == config::LinearSolver::cg;
   if (!threads_ && may_use_threads && ThreadStiffness::is_needed(constraints_, mu_))
@@ -104,8 +96,8 @@ void EdgeSet::program_residual(std::span<double> residual) const {
       const double most = most_kept * options_.strain * l;
       kept = strain_kept_ * std::clamp((start_->positions[b] - start_->positions[a]).norm() - l, -most, most);
     }
-    residual[e] = constraints_.gradients()[e].norm() * (length - l - kept) -
-                  constraints_.scaled_compliance()[e] * mu_[e];
+    residual[e] =
+        constraints_.gradients()[e].norm() * (length - l - kept) - constraints_.yield_to(mu_[e], e).length;
   }
 }
 
@@ -120,9 +112,9 @@ void EdgeSet::program_guess(std::span<double> guess) const {
 }
 
 void EdgeSet::factor(std::span<const double> metric) {
-  yarns_->factor(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
+  yarns_->factor(constraints_.gradients(), metric, freedom(), slopes_);
   if (use_ == ConstraintUse::in_newton && system_)
-    system_->assemble(constraints_.gradients(), metric, freedom(), constraints_.scaled_compliance());
+    system_->assemble(constraints_.gradients(), metric, freedom(), slopes_);
 }
 
 void EdgeSet::begin_spread(std::span<const double> z) {

@@ -79,6 +79,7 @@ private:
   double dt_ = 0, strain_kept_ = 0;
   std::vector<double> change_, mu_; ///< of local edges; change_: first what is asked of the rows, then d_mu
   std::vector<double> added_;       ///< to mu in this step, of local edges, where the next one starts from it
+  std::vector<double> slopes_;      ///< of what owned edges yield: a, less where they are pulled hard
   std::vector<double> program_compliance_;
 };
 

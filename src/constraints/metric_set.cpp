@@ -11,14 +11,16 @@
 namespace taut {
 
 MetricSet::MetricSet(const Cloth& cloth, const config::Inextensibility& options, ConstraintUse use)
-    : cloth_(cloth), options_(options), use_(use), metric_(cloth), inverse_mass_(cloth.mesh.vertices.size()),
-      gradients_(cloth.mesh.edges.size()), metrics_(cloth.mesh.vertices.owned, Vec2::Zero()),
-      residual_(metrics_), scaled_compliance_(metrics_), change_(cloth.mesh.vertices.size()), mu_(change_),
-      edge_values_(cloth.mesh.edges.size()) {
+    : cloth_(cloth), options_(options), use_(use), bounds_(compliance_bounds(options, use)), metric_(cloth),
+      inverse_mass_(cloth.mesh.vertices.size()), gradients_(cloth.mesh.edges.size()),
+      metrics_(cloth.mesh.vertices.owned, Vec2::Zero()), residual_(metrics_), scaled_compliance_(metrics_),
+      change_(cloth.mesh.vertices.size()), mu_(change_), edge_values_(cloth.mesh.edges.size()) {
   for (Local i = 0; i < cloth.mesh.vertices.size(); ++i)
     scale_.push_back(metric_.has(i) ? std::sqrt(metric_.area(i)) : 1.0);
   find_columns();
-  system_.emplace(cloth.mesh, column_begin_, column_rows_, options_of_system());
+  using Preconditioner = MetricSystem::Preconditioner;
+  system_.emplace(cloth.mesh, column_begin_, column_rows_, options_of_system(),
+                  use == ConstraintUse::with_contact ? Preconditioner::sweep : Preconditioner::multigrid);
 }
 
 void MetricSet::find_columns() {
@@ -94,18 +96,21 @@ bool MetricSet::can_change(Local vertex) const {
 }
 
 void MetricSet::take_compliances() {
-  const double most = most_part(options_, use_, 1e-3, 1e-3);
-  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
-    const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[i] / (dt_ * dt_);
-    const double yields = 4.0 * inverse_mass_around(i); // about J W J^T of a row whose metric is 1
-    scaled_compliance_[i].setConstant(can_change(i) ? bounded_compliance(asked, yields, most) : 1.0);
-  }
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    for (int k = 0; k < 2; ++k) scaled_compliance_[i][k] = can_change(i) ? yield_at(i, mu_[i][k]).slope : 1.0;
 }
 
-/// Of a vertex; alone, if it is held, the largest of its neighbours.
+/// Of warp or weft at an owned vertex.
+Yield MetricSet::yield_at(Local vertex, double mu) const {
+  const double asked = 4.0 * options_.compliance.value_or(0.0) * scale_[vertex] / (dt_ * dt_);
+  const double by_mass = 4.0 * inverse_mass_around(vertex); // about J W J^T of a row whose metric is 1
+  return yield(std::min(asked, bounds_.part * by_mass), mu, 2 * scale_[vertex] * bounds_.strain);
+}
+
+/// Of a vertex; if it is held, the largest of its neighbours: their motion changes the metric there.
 double MetricSet::inverse_mass_around(Local vertex) const {
   double result = inverse_mass_[vertex];
-  if (result > 0 || use_ != ConstraintUse::alone) return result;
+  if (result > 0) return result;
   for (const EdgeEnd& end : cloth_.mesh.star_of(vertex)) result = std::max(result, inverse_mass_[end.other]);
   return result;
 }
@@ -133,9 +138,9 @@ SolveReport MetricSet::solve(double tolerance) {
 
 void MetricSet::residual(std::span<double> rows) const {
   for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) {
-    const Vec2 value = scale_[i] * (metrics_[i].array() - 1.0);
-    const Vec2 left = can_change(i) ? Vec2(value - scaled_compliance_[i][0] * mu_[i]) : Vec2(Vec2::Zero());
-    std::copy_n(left.data(), 2, rows.data() + 2 * i);
+    for (int k = 0; k < 2; ++k)
+      rows[2 * i + k] =
+          can_change(i) ? scale_[i] * (metrics_[i][k] - 1.0) - yield_at(i, mu_[i][k]).length : 0.0;
   }
 }
 
@@ -236,7 +241,7 @@ void MetricSet::program_residual(std::span<double> residual) const {
     for (int k = 0; k < 2; ++k) {
       const double length = std::sqrt(metrics_[i][k]);
       const double value = 2 * scale_[i] * length * (length - 1 - kept[k]);
-      residual[2 * i + k] = can_change(i) ? value - scaled_compliance_[i][k] * mu_[i][k] : 0.0;
+      residual[2 * i + k] = can_change(i) ? value - yield_at(i, mu_[i][k]).length : 0.0;
     }
   }
 }

@@ -75,6 +75,7 @@ private:
   void fill_columns();
   void take_compliances();
   bool can_change(Local vertex) const;
+  Yield yield_at(Local vertex, double mu) const;
   double inverse_mass_around(Local vertex) const;
   SolverOptions options_of_system() const;
   void spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const;
@@ -84,6 +85,7 @@ private:
   const Cloth& cloth_;
   config::Inextensibility options_;
   ConstraintUse use_;
+  ComplianceBounds bounds_;
   AveragedMetric metric_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> column_begin_{0};

@@ -30,7 +30,7 @@ double MixedSet::evaluate(std::span<const Vec3> x) {
   const double strain = std::max(edges_.evaluate(x), metric_.evaluate(x));
   std::copy_n(edges_.program_compliance().begin(), edges_.rows(), compliance_.begin());
   std::copy_n(metric_.program_compliance().begin(), metric_.rows(),
-              of_metric(std::span(compliance_)).begin());
+              parts().of_second(std::span(compliance_)).begin());
   return strain;
 }
 
@@ -44,18 +44,18 @@ void MixedSet::keep_strain(double part) {
 }
 
 void MixedSet::program_residual(std::span<double> residual) const {
-  edges_.program_residual(of_edges(residual));
-  metric_.program_residual(of_metric(residual));
+  edges_.program_residual(parts().of_first(residual));
+  metric_.program_residual(parts().of_second(residual));
 }
 
 void MixedSet::program_tolerance(double part_of_limit, std::span<double> tolerance) const {
-  edges_.program_tolerance(part_of_limit, of_edges(tolerance));
-  metric_.program_tolerance(part_of_limit, of_metric(tolerance));
+  edges_.program_tolerance(part_of_limit, parts().of_first(tolerance));
+  metric_.program_tolerance(part_of_limit, parts().of_second(tolerance));
 }
 
 void MixedSet::program_guess(std::span<double> guess) const {
-  edges_.program_guess(of_edges(guess));
-  metric_.program_guess(of_metric(guess));
+  edges_.program_guess(parts().of_first(guess));
+  metric_.program_guess(parts().of_second(guess));
 }
 
 void MixedSet::factor(std::span<const double> metric) {
@@ -69,13 +69,13 @@ void MixedSet::multiply(std::span<const double> z, std::span<double> product) {
 }
 
 void MixedSet::precondition(std::span<const double> r, std::span<double> s) const {
-  edges_.precondition(of_edges(r), of_edges(s));
-  metric_.precondition(of_metric(r), of_metric(s));
+  edges_.precondition(parts().of_first(r), parts().of_first(s));
+  metric_.precondition(parts().of_second(r), parts().of_second(s));
 }
 
 void MixedSet::begin_spread(std::span<const double> z) {
-  edges_.begin_spread(of_edges(z));
-  metric_.begin_spread(of_metric(z));
+  edges_.begin_spread(parts().of_first(z));
+  metric_.begin_spread(parts().of_second(z));
 }
 
 void MixedSet::end_spread(std::span<Vec3> field) {
@@ -84,23 +84,23 @@ void MixedSet::end_spread(std::span<Vec3> field) {
 }
 
 void MixedSet::subtract_difference(std::span<const Vec3> u, std::span<double> rows) {
-  edges_.subtract_difference(u, of_edges(rows));
-  metric_.subtract_difference(u, of_metric(rows));
+  edges_.subtract_difference(u, parts().of_first(rows));
+  metric_.subtract_difference(u, parts().of_second(rows));
 }
 
 void MixedSet::add(std::span<const double> z) {
-  edges_.add(of_edges(z));
-  metric_.add(of_metric(z));
+  edges_.add(parts().of_first(z));
+  metric_.add(parts().of_second(z));
 }
 
 void MixedSet::residual(std::span<double> rows) const {
-  edges_.residual(of_edges(rows));
-  metric_.residual(of_metric(rows));
+  edges_.residual(parts().of_first(rows));
+  metric_.residual(parts().of_second(rows));
 }
 
 void MixedSet::multipliers(std::span<double> rows) const {
-  edges_.multipliers(of_edges(rows));
-  metric_.multipliers(of_metric(rows));
+  edges_.multipliers(parts().of_first(rows));
+  metric_.multipliers(parts().of_second(rows));
 }
 
 /// At least as much as their sum adds.

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/constraints/edge_set.hpp"
 #include "src/constraints/metric_set.hpp"
+#include "src/constraints/row_parts.hpp"
 
 namespace taut {
 
@@ -49,14 +50,7 @@ public:
   const Freedom& freedom() const { return metric_.freedom(); }
 
 private:
-  template<class T>
-  std::span<T> of_edges(std::span<T> rows) const {
-    return rows.first(edges_.rows());
-  }
-  template<class T>
-  std::span<T> of_metric(std::span<T> rows) const {
-    return rows.subspan(edges_.rows());
-  }
+  RowParts parts() const { return {edges_.rows()}; }
   const Cloth& cloth_;
   EdgeSet edges_;
   MetricSet metric_;

@@ -1,5 +1,6 @@
 #pragma once
 #include "partition/distributed_mesh.hpp"
+#include "src/constraints/constraint_set.hpp"
 #include "src/linear/bounded_qp.hpp"
 #include "src/linear/solver_options.hpp"
 
@@ -23,13 +24,13 @@ void multiply_matrix_free(const DistributedMesh& mesh, Set& set, std::span<const
   set.subtract_difference(push, product);
 }
 
-/// What ConstraintSet::solve asks, for a set whose rows have no matrix: conjugate gradients (BoundedQp
-/// without bounds) on J W J^T + a, as the set's spread, difference and precondition make them, until no row
-/// has more left than `tolerance` times the largest at the start. The change is added to the set. Collective.
+/// What ConstraintSet::solve asks, for a set whose rows have no matrix: conjugate gradients (BoundedQp) on J
+/// W J^T + a, as the set's spread, difference and precondition make them, until no row has more left than
+/// `tolerance` times the largest at the start. The change is added to the set. Collective.
 template<class Set>
 SolveReport solve_matrix_free(const DistributedMesh& mesh, Set& set, double tolerance) {
   constexpr int most_products = 1000;
-  std::vector<double> rhs(set.rows()), change(set.rows(), 0.0), left(set.rows());
+  std::vector<double> rhs(set.rows()), change(set.rows(), 0.0), left(set.rows()), lower, upper;
   std::vector<Vec3> push(mesh.vertices.size());
   set.factor(set.inverse_mass());
   set.residual(rhs);
@@ -40,8 +41,9 @@ SolveReport solve_matrix_free(const DistributedMesh& mesh, Set& set, double tole
     multiply_matrix_free(mesh, set, set.inverse_mass(), z, product, push);
   };
   const auto precondition = [&](std::span<const double> r, std::span<double> s) { set.precondition(r, s); };
-  const BoundedQp equations{multiply, precondition, rhs, set.rows(), {}, {}, left};
-  const QpReport solved = solve(mesh.comm, equations, {most_products}, change);
+  const std::size_t equations = bound_rows(set, lower, upper);
+  const BoundedQp program{multiply, precondition, rhs, equations, lower, upper, left};
+  const QpReport solved = solve(mesh.comm, program, {most_products}, change);
   set.add(change);
   return {solved.products, solved.solved ? "" : "conjugate gradients did not converge"};
 }

@@ -9,9 +9,10 @@ namespace taut {
 
 namespace {
 
-constexpr double most_of_bound = 0.6, all_of_bound = 0.95; ///< between which targets are
-constexpr double nearly_all_of_bound = 0.999;              ///< the latter of very short steps
-constexpr double far = 10;                                 ///< limits of the averages, from where none has
+constexpr double near_bound = 0.5;                        ///< part of it from which triangles have rows
+constexpr double most_of_bound = 0.6, all_of_bound = 0.9; ///< between which targets are
+constexpr double nearly_all_of_bound = 0.97;              ///< the latter of very short steps
+constexpr double far = 10;                                ///< limits of the averages, from where none has
 
 /// Of what a row yields: triangles that share sides depend on one another, and on the averages.
 constexpr double softness = 0.005;
@@ -38,8 +39,8 @@ std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local>
 }
 
 TriangleBounds::TriangleBounds(const Cloth& cloth, const config::Inextensibility& options)
-    : cloth_(cloth), limit_(options.strain), bound_(options.faces * options.strain),
-      pull_(cloth.mesh.vertices.size(), Vec3::Zero()), change_(pull_) {
+    : cloth_(cloth), bound_(options.faces * options.strain), pull_(cloth.mesh.vertices.size(), Vec3::Zero()),
+      change_(pull_) {
   for (const Tangent& t : bounded_tangents(cloth, cloth.mesh.owned_cells))
     directions_.push_back({t.stencil, std::sqrt(t.measure)});
 }
@@ -49,32 +50,39 @@ void TriangleBounds::start(std::span<const Vec3> positions, std::span<const doub
   start_ = positions;
   inverse_mass_ = inverse_mass;
   freedom_ = &freedom;
+  for (Direction& d : directions_) d.mu = 0;
 }
 
-/// t, for a triangle that is now as long.
-double TriangleBounds::target(const Direction& direction, double length) const {
-  const double side = length > 1 ? 1 : -1, at_start = side * (tangent(direction.stencil, start_).norm() - 1);
-  const double most = all_of_bound + strain_kept_ * (nearly_all_of_bound - all_of_bound);
-  return 1 + side * std::clamp(at_start, most_of_bound * bound_, most * bound_);
+double TriangleBounds::most() const {
+  return all_of_bound + strain_kept_ * (nearly_all_of_bound - all_of_bound);
+}
+
+/// Pulls and pushes have opposite signs; what a triangle has been pulled by in this step may be taken back.
+double TriangleBounds::side(const Direction& direction, double length) const {
+  if (direction.mu != 0) return direction.mu > 0 ? 1 : -1;
+  return length > 1 ? 1 : -1;
 }
 
 double TriangleBounds::evaluate(std::span<const Vec3> x, double of_others) {
   rows_.clear();
-  double most = 0;
-  for (const Direction& d : directions_) {
+  double largest = 0;
+  bool acts = false;
+  for (Direction& d : directions_) {
     const Vec3 w = tangent(d.stencil, x);
     const double length = w.norm(), strain = std::abs(length - 1);
-    most = std::max(most, std::isfinite(strain) ? strain : HUGE_VAL);
-    if (of_others > far || !(strain > most_of_bound * bound_)) continue;
-    const double t = target(d, length);
-    if (strain > std::abs(t - 1)) rows_.push_back({&d, 2 * d.scale * w, length, t});
+    largest = std::max(largest, std::isfinite(strain) ? strain : HUGE_VAL);
+    if (of_others > far || !(strain > near_bound * bound_ || d.mu != 0)) continue;
+    const double side = this->side(d, length), at_start = side * (tangent(d.stencil, start_).norm() - 1);
+    const double target = 1 + side * std::clamp(at_start, most_of_bound * bound_, most() * bound_);
+    rows_.push_back({&d, 2 * d.scale * w, length, target, side});
+    acts = acts || d.mu != 0 || side * (length - target) > 0;
   }
-  const MPI_Comm comm = cloth_.mesh.comm;
-  std::array<double, 2> largest{most / bound_, rows_.empty() ? 0.0 : 1.0};
-  max_in_place(comm, largest);
-  any_ = largest[1] > 0;
+  std::array<double, 2> over_ranks{largest / bound_, acts ? 1.0 : 0.0};
+  max_in_place(cloth_.mesh.comm, over_ranks);
+  any_ = over_ranks[1] > 0;
+  if (!any_) rows_.clear();
   factor(inverse_mass_);
-  return largest[0];
+  return over_ranks[0];
 }
 
 double TriangleBounds::strain(std::span<const Vec3> x) const {
@@ -98,9 +106,17 @@ void TriangleBounds::program_residual(std::span<double> rows) const {
     rows[r] = 2 * rows_[r].of->scale * rows_[r].length * (rows_[r].length - rows_[r].target);
 }
 
-void TriangleBounds::program_tolerance(double part_of_limit, std::span<double> tolerance) const {
+void TriangleBounds::program_tolerance(double part_of_room, std::span<double> tolerance) const {
   for (std::size_t r = 0; r < tolerance.size(); ++r)
-    tolerance[r] = part_of_limit * limit_ * 2 * rows_[r].of->scale;
+    tolerance[r] = part_of_room * (1 - most()) * bound_ * 2 * rows_[r].of->scale;
+}
+
+void TriangleBounds::program_bounds(std::span<double> lower, std::span<double> upper) const {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const double back = -rows_[r].of->mu;
+    lower[r] = rows_[r].side > 0 ? back : -HUGE_VAL;
+    upper[r] = rows_[r].side > 0 ? HUGE_VAL : back;
+  }
 }
 
 /// Rows of triangles that nothing can move have a compliance of 1.
@@ -144,7 +160,8 @@ void TriangleBounds::subtract_difference(std::span<const Vec3> u, std::span<doub
     rows[r] -= rows_[r].gradient.dot(tangent(rows_[r].of->stencil, u));
 }
 
-void TriangleBounds::take(std::span<const double> d_mu) {
+void TriangleBounds::add(std::span<const double> d_mu) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) rows_[r].of->mu += d_mu[r];
   if (any_)
     pull(d_mu);
   else

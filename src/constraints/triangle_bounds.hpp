@@ -10,11 +10,11 @@ namespace taut {
 std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local> cells);
 
 /// Bounds of what single triangles may strain where averages are kept (AveragedMetric), |w| in [1 - b, 1 + b]
-/// along warp and weft, as rows beside those of a set. Only triangles that strain by more than most of b have
-/// rows, which take them back there: C = s (|w|^2 - t^2), with s the root of the triangle's area and t = 1 +-
-/// 0.6 b; or where the triangle was at the start of the step, if it was strained more, for to take it back
-/// farther would throw the cloth about. Such a row can only be wrong by what the other rows do for it; then
-/// it is gone in the next iteration, and so its force is not carried from step to step.
+/// along warp and weft, as one-sided rows beside those of a set. Triangles that strain by more than half of b
+/// have rows: C = s (|w|^2 - t^2), with s the root of the triangle's area, which is to be at most 0 where it
+/// is stretched, at least 0 where it is pressed. The target t is 1 +- 0.6 b; or where the triangle was at the
+/// start of the step, if it was strained more, for to take it back farther would throw the cloth about. The
+/// multipliers of these rows start from nothing in every step.
 ///
 /// While the averages themselves are far from their limit, there are no rows: most of what triangles strain
 /// is then the averages' to correct.
@@ -43,33 +43,39 @@ public:
   std::span<const double> compliance() const { return compliance_; }
   void residual(std::span<double> rows) const;
   void program_residual(std::span<double> rows) const;
-  void program_tolerance(double part_of_limit, std::span<double> tolerance) const;
+  /// What a part of the room between targets and the bound is for each row.
+  void program_tolerance(double part_of_room, std::span<double> tolerance) const;
+  /// Of increments of mu: a row pulls in or pushes out, never the other way.
+  void program_bounds(std::span<double> lower, std::span<double> upper) const;
   void factor(std::span<const double> metric);
   void precondition(std::span<const double> r, std::span<double> s) const;
   /// field -= J^T z on owned vertices. Collective over neighbours.
   void spread(std::span<const double> z, std::span<Vec3> field);
   void subtract_difference(std::span<const Vec3> u, std::span<double> rows) const;
-  /// Takes d_mu, for `displacement`: W J^T d_mu at an owned vertex. Collective over neighbours.
-  void take(std::span<const double> d_mu);
+  /// mu += d_mu, for `displacement`: W J^T d_mu at an owned vertex. Collective over neighbours.
+  void add(std::span<const double> d_mu);
   Vec3 displacement(Local vertex) const;
 
 private:
   /// Of an owned triangle along warp or weft.
   struct Direction {
     TangentStencil stencil;
-    double scale; ///< s, m
+    double scale;  ///< s, m
+    double mu = 0; ///< of the step so far
   };
   struct Row {
-    const Direction* of;
+    Direction* of;
     Vec3 gradient; ///< 2 s w, times c the derivative by a vertex
     double length; ///< |w|
     double target; ///< t
+    double side;   ///< 1 if it is stretched, -1 if pressed
   };
-  double target(const Direction& direction, double length) const;
+  double most() const;
+  double side(const Direction& direction, double length) const;
   void pull(std::span<const double> z);
 
   const Cloth& cloth_;
-  double limit_, bound_; ///< of averages; b
+  double bound_; ///< b
   std::vector<Direction> directions_;
   std::span<const Vec3> start_; ///< of the step, m
   std::span<const double> inverse_mass_;

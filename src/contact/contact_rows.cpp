@@ -14,18 +14,24 @@ namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
 constexpr double close = 0.2;    ///< of the thickness, beyond it
+constexpr double trails = 0.1;   ///< of what a free vertex falls in the longest step: see anchor_reach_
 
 } // namespace
 
 ContactRows::ContactRows(ContactScene& scene, const SafeIterate& safe, const Thickness& thickness,
-                         const config::Contact& options, double gravity)
+                         const config::Contact& options, double gravity, double longest_step)
     : scene_(scene), safe_(safe), thickness_(thickness), options_(options), cones_(scene.obstacles()),
-      gravity_(gravity) {}
+      gravity_(gravity), anchor_reach_(trails * fall(longest_step)) {}
+
+/// m that gravity moves a free vertex in a step, at most the smallest thickness.
+double ContactRows::fall(double seconds) const {
+  return gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * seconds * seconds) : thickness_.smallest();
+}
 
 void ContactRows::begin(const ContactMemory& memory, double dt, double overlap_kept) {
   dt_ = dt;
   overlap_kept_ = overlap_kept;
-  fall_ = gravity_ > 0 ? std::min(thickness_.smallest(), gravity_ * dt * dt) : thickness_.smallest();
+  fall_ = fall(dt);
   at_home_ = memory;
   known_.clear();
 }
@@ -55,7 +61,7 @@ std::vector<ForeseenContact> ContactRows::foresee() {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const bool touches = records_[k]->impulse.normal > 0 || contacts_[k].violation > -gap_left * fall_;
     foreseen.push_back(
-        {contacts_[k], records_[k]->impulse, slip_of(contacts_[k]), touches, tilts_of(contacts_[k])});
+        {contacts_[k], records_[k]->impulse, to_undo(Local(k)), touches, tilts_of(contacts_[k])});
   }
   return foreseen;
 }
@@ -176,7 +182,7 @@ void ContactRows::recall() {
     if (is_new) keys.push_back(contact.key);
   }
   for (const auto& [key, entry] : hand_out(scene_.cloth().mesh, at_home_, keys))
-    known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed};
+    known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed, entry.drift};
 }
 
 /// Leaves the contacts that may press: in a stack of layers one in four. If a program brings another one too
@@ -225,7 +231,7 @@ void ContactRows::add(std::span<const double> z) {
 /// Per dt^2, newtons: what has pressed a contact in this step, and what of it lasts.
 ContactEntry ContactRows::entry_of(const ContactRecord& record) const {
   const ContactImpulse now = record.impulse.scaled(1 / (dt_ * dt_));
-  return {now, record.before ? lasting(*record.before, now) : ContactImpulse{}};
+  return {now, record.before ? lasting(*record.before, now) : ContactImpulse{}, record.drifted};
 }
 
 void ContactRows::report_forces(Candidate& candidate) const {
@@ -239,7 +245,7 @@ void ContactRows::report_forces(Candidate& candidate) const {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k];
     if (records_[k]->impulse.normal <= 0) continue;
-    const auto [now, carried] = entry_of(*records_[k]);
+    const auto [now, carried, drift] = entry_of(*records_[k]);
     for (int i = 0; i < 4; ++i) {
       lasting_part[contact.vertices[i]] +=
           contact.weights[i] * (carried.normal * contact.normal + carried.tangent);

@@ -23,9 +23,9 @@ namespace taut {
 /// of a step is forgotten.
 class ContactRows {
 public:
-  /// All must outlive them; `gravity` in m/s^2.
+  /// All must outlive them; `gravity` in m/s^2, `longest_step` in s.
   ContactRows(ContactScene& scene, const SafeIterate& safe, const Thickness& thickness,
-              const config::Contact& options, double gravity);
+              const config::Contact& options, double gravity, double longest_step);
 
   /// For a step over `dt` from where the last one left `memory`; this part of the overlap that it starts with
   /// may stay. Not collective.
@@ -53,6 +53,10 @@ public:
   /// Adds the increments `z` of the rows' multipliers to what the contacts press and rub. Not collective.
   void add(std::span<const double> z);
 
+  /// How far contacts are from where they stick, at a target that programs have moved. Collective over
+  /// neighbours.
+  void note_drift();
+
   /// What the contacts there are press and carry, as forces on vertices. Collective over neighbours.
   void report_forces(Candidate& candidate) const;
 
@@ -68,8 +72,11 @@ private:
   struct ContactRecord {
     ContactImpulse impulse;               ///< kg m, by the step's programs and what is carried
     std::optional<ContactImpulse> before; ///< N, by the last step
+    Vec3 drift = Vec3::Zero();            ///< m, at the start of the step
+    Vec3 drifted = Vec3::Zero();          ///< m, at the target
   };
 
+  double fall(double seconds) const;
   void find_contacts();
   void leave_each_once();
   double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
@@ -83,6 +90,7 @@ private:
   void add_friction_rows(Local contact, int iteration);
   Tilts tilts_of(const Contact& contact) const;
   Vec3 slip_of(const Contact& contact) const;
+  Vec3 to_undo(Local contact) const;
   ContactEntry entry_of(const ContactRecord& record) const;
 
   ContactScene& scene_;
@@ -91,6 +99,7 @@ private:
   const config::Contact& options_;
   NormalCones cones_;
   double gravity_;
+  double anchor_reach_; ///< m that drift is at most
   // of the step in hand
   double dt_ = 0, overlap_kept_ = 0;
   double fall_ = 0;         ///< m that gravity moves a free vertex, at most the smallest thickness

@@ -16,7 +16,9 @@ void ContactScene::begin(const State& state, double dt) {
   target.cloth = start_.cloth;
   obstacles_.place(state.time, start_.obstacles);
   obstacles_.place(state.time + dt, target.obstacles);
-  spins_ = obstacles_.spins(state.time, state.time + dt);
+  turns_.clear();
+  for (int body = 0; body < obstacles_.bodies(); ++body)
+    turns_.push_back(obstacles_.turned(body, state.time, state.time + dt));
 }
 
 void ContactScene::gather_start() {

@@ -47,10 +47,11 @@ public:
     return sum;
   }
 
-  /// How far the surface of a body turns away under one of its features, in the direction n from it: m.
-  Vec3 spin(int body, const Vec3& normal) const {
-    return body >= 0 ? Vec3(spins_[body] * normal) : Vec3(Vec3::Zero());
-  }
+  /// A vector fixed to a body, as the body turns it over the step.
+  Vec3 turned(int body, const Vec3& vector) const { return body >= 0 ? Vec3(turns_[body] * vector) : vector; }
+
+  /// m by which what is fixed to a body moves in excess of its feature nearby, from which it is at `offset`.
+  Vec3 spin(int body, const Vec3& offset) const { return turned(body, offset) - offset; }
 
   /// Whether a vertex at a place of a contact field can be moved.
   bool can_move(Local place) const { return inverse_mass_field_[place] > 0; }
@@ -73,7 +74,7 @@ private:
   const Cloth& cloth_;
   const Obstacles& obstacles_;
   Scene start_;
-  std::vector<Mat3> spins_; ///< m, of the obstacles over the step
+  std::vector<Mat3> turns_; ///< of the obstacles over the step
   std::vector<double> inverse_mass_;
   std::vector<double> inverse_mass_field_;
   std::vector<Vec3> start_field_, target_field_;

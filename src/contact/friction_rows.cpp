@@ -17,14 +17,38 @@ constexpr double slip_left = 0.03; ///< by a program, of what a free vertex fall
 
 } // namespace
 
-/// m by which the features slip over the step, without what changes their gap.
+/// m by which the features slip over the step, without what changes their gap; as a body sees it that turns,
+/// so that nothing slips that turns with it.
 Vec3 ContactRows::slip_of(const Contact& contact) const {
   const auto from = scene_.start_field(), to = scene_.target_field();
-  Vec3 slip = Vec3::Zero();
-  for (int i = 0; i < 4; ++i)
+  Vec3 before = Vec3::Zero(), slip = before; // from the one to the other
+  for (int i = 0; i < 4; ++i) {
+    before += contact.weights[i] * from[contact.vertices[i]];
     slip += contact.weights[i] * (to[contact.vertices[i]] - from[contact.vertices[i]]);
-  slip -= scene_.spin(contact.body, contact.normal);
+  }
+  slip -= scene_.spin(contact.body, before);
   return slip - contact.normal.dot(slip) * contact.normal;
+}
+
+/// The same and what is left of drift, which a step that is short all of a sudden leaves as it is.
+Vec3 ContactRows::to_undo(Local k) const {
+  const Contact& contact = contacts_[k];
+  const Vec3& drift = records_[k]->drift;
+  return slip_of(contact) + (1 - overlap_kept_) * (drift - contact.normal.dot(drift) * contact.normal);
+}
+
+/// Contacts that slide draw the place where they would stick behind them.
+void ContactRows::note_drift() {
+  if (count_ == 0) return;
+  scene_.gather_target();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& contact = contacts_[k];
+    Vec3 drift = records_[k]->drift + slip_of(contact);
+    drift -= contact.normal.dot(drift) * contact.normal;
+    const double length = drift.norm();
+    if (length > anchor_reach_) drift *= anchor_reach_ / length;
+    records_[k]->drifted = scene_.turned(contact.body, drift);
+  }
 }
 
 /// Two tangents of a contact that is pressed: no slip over the step, by no more than Coulomb's force for what
@@ -40,7 +64,7 @@ void ContactRows::add_friction_rows(Local k, int iteration) {
         record.before ? before.normal : std::max(0.0, contact.violation) / contact.inverse_effective_mass;
   const double most = contact.friction * normal_impulse;
   if (most <= 0 && record.impulse.tangent.isZero(0)) return;
-  const Vec3 slip = slip_of(contact);
+  const Vec3 slip = to_undo(k);
   const Vec3 rubbed = record.impulse.tangent;
   const Vec3 needed = rubbed - slip / contact.inverse_effective_mass;
   const Vec3 first = needed.norm() * contact.inverse_effective_mass > 1e-12 ? Vec3(needed.normalized())

@@ -244,13 +244,6 @@ Obstacles::Nearest Obstacles::nearest(const Vec3& place, std::span<const Vec3> p
   return nearest;
 }
 
-std::vector<Mat3> Obstacles::spins(double from, double to) const {
-  std::vector<Mat3> spins;
-  for (int body = 0; body < bodies(); ++body)
-    spins.push_back(bodies_[body].radius * (turned(body, from, to) - Mat3::Identity()));
-  return spins;
-}
-
 void Obstacles::place(double time, std::vector<Vec3>& positions) const {
   positions.resize(start_.size());
   for (Local v = 0; v < vertices(); ++v) {

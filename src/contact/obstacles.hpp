@@ -57,10 +57,6 @@ public:
   /// The body nearest to a place, with the vertices of all at `positions` (m).
   Nearest nearest(const Vec3& place, std::span<const Vec3> positions) const;
 
-  /// How far the surfaces of all bodies turn away under their vertices, segments and triangles: for a body of
-  /// the radius r, a place of its surface in the direction n from these moves by r S n in excess of them.
-  std::vector<Mat3> spins(double from, double to) const;
-
   /// Where all vertices are at `time`: in the sequence of the body's meshes, if it has one, then turned and
   /// moved by the keyframes; linear between meshes and between keyframes. m.
   void place(double time, std::vector<Vec3>& positions) const;

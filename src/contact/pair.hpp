@@ -23,6 +23,9 @@ struct Approach {
   std::array<double, 4> weights;
   Vec3 normal; ///< of length 1, from the second feature to the first
   double gap;  ///< m between them; not positive where they meet
+
+  /// m, from the second to the first.
+  Vec3 offset(const Pair& pair) const { return (gap + pair.radius) * normal; }
 };
 
 Approach approach(const Pair& pair, const Four& x);

@@ -77,8 +77,9 @@ std::optional<PenaltySprings::Spring> PenaltySprings::spring(const Pair& pair, d
   s.force = (stiffness_ * (thickness - here.gap - n.dot(body_moves)) - damping_ * n.dot(body_moves) / dt) * n;
   s.resists[0] = std::sqrt(dt * dt * stiffness_ + dt * damping_) * n;
   const double friction = friction_of(pair, scene_.obstacles(), contact_);
-  moves -= scene_.spin(pair.body, n);
-  body_moves -= scene_.spin(pair.body, n);
+  const Vec3 spin = scene_.spin(pair.body, here.offset(pair));
+  moves -= spin;
+  body_moves -= spin;
   const Vec3 slip = moves - n.dot(moves) * n, body_slip = body_moves - n.dot(body_moves) * n;
   const double pressed = stiffness_ * std::max(0.0, thickness - here.gap); // by the step before
   const double drag = friction * pressed / std::max(slip.norm() / dt, creep);

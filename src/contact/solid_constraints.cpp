@@ -68,7 +68,7 @@ std::vector<SolidConstraints::Nearest> SolidConstraints::nearest(const State& st
     for (const Pair& pair : vertices_near(met, scene_)) {
       const Approach here = approach(pair, at(pair, from));
       if (here.gap > reach) continue;
-      Vec3 moves = scene_.spin(pair.body, here.normal); // of the surface below the vertex
+      Vec3 moves = scene_.spin(pair.body, here.offset(pair)); // of what is fixed to the body there
       for (int i = 1; i < 4; ++i) moves -= here.weights[i] * (to[pair.vertices[i]] - from[pair.vertices[i]]);
       Nearest& known = result[pair.vertices[0]];
       known = std::min(known, Nearest{here.gap, thickness_.of(pair, scene_.search.keys()), here.normal,

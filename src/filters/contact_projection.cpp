@@ -48,7 +48,8 @@ template<ConstraintSet Set>
 ContactProjection<Set>::ContactProjection(const Cloth& cloth, const Obstacles& obstacles, Thickness thickness,
                                           const ContactProjectionOptions& options)
     : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles),
-      safe_(scene_, thickness_), rows_(scene_, safe_, thickness_, options_.contact, options.gravity),
+      safe_(scene_, thickness_),
+      rows_(scene_, safe_, thickness_, options_.contact, options.gravity, options.longest_step),
       foreseen_(scene_), alone_(cloth, options.limits),
       set_(cloth, options.limits, ConstraintUse::with_contact), qp_(cloth, scene_.search) {}
 
@@ -110,6 +111,7 @@ void ContactProjection<Set>::iterate(const State& start, double dt, const Freedo
   set_.start(start, dt, freedom, candidate);
   for (iteration_ = 1;; rows_.make(++iteration_)) {
     report.failure = project(report);
+    rows_.note_drift();
     rows_.report_forces(candidate); // before another search renumbers what the rows refer to
     count_contacts(report);
     if (!report.failure.empty() || ends_after_moving(report)) break;

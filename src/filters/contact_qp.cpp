@@ -33,9 +33,9 @@ QpReport ContactQp<Set>::solve(const QpEffort& effort) {
   const BoundedQp qp{[this](auto z, auto result) { multiply(z, result); },
                      [this](auto r, auto s) { precondition(r, s); },
                      rhs_,
-                     set_rows_,
-                     contact_.lower,
-                     contact_.upper,
+                     equations_,
+                     lower_,
+                     upper_,
                      tolerance_};
   return taut::solve(cloth_.mesh.comm, qp, effort, z_);
 }
@@ -43,6 +43,7 @@ QpReport ContactQp<Set>::solve(const QpEffort& effort) {
 template<ConstraintSet Set>
 void ContactQp<Set>::take_set(QpGuess guess) {
   set_rows_ = set_->rows();
+  equations_ = bound_rows(*set_, lower_, upper_);
   z_.assign(set_rows_, 0.0);
   rhs_.resize(set_rows_);
   tolerance_.resize(set_rows_);
@@ -66,11 +67,12 @@ void ContactQp<Set>::add_block(const Contact& contact) {
 
 template<ConstraintSet Set>
 void ContactQp<Set>::take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows) {
-  auto& [blocks, parts, directions, lower, upper, diagonal, compliance] = contact_;
+  auto& [blocks, parts, directions, diagonal, compliance] = contact_;
   blocks.clear();
   parts.clear();
   directions.clear();
-  for (auto* numbers : {&lower, &upper, &diagonal, &compliance}) numbers->clear();
+  diagonal.clear();
+  compliance.clear();
   Local last = -1;
   for (const ContactRow& row : rows) {
     const Contact& contact = contacts[row.contact];
@@ -78,8 +80,8 @@ void ContactQp<Set>::take_rows(std::span<const Contact> contacts, std::span<cons
     ++blocks.back().rows;
     directions.push_back(row.direction);
     rhs_.push_back(row.violation);
-    lower.push_back(row.lower);
-    upper.push_back(row.upper);
+    lower_.push_back(row.lower);
+    upper_.push_back(row.upper);
     tolerance_.push_back(row.slack);
     z_.push_back(row.guess);
     compliance.push_back((row.is_normal ? normal_compliance : friction_compliance) *

@@ -11,7 +11,7 @@ constexpr double program_strain_left = 0.2;
 /// Where a program starts: at the multipliers that the last step took, or at none.
 enum class QpGuess { last_step, zero };
 
-/// The rows of a set of constraints as equations and those of contacts as inequalities, in one quadratic
+/// The rows of a set of constraints and those of contacts, as equations and inequalities in one quadratic
 /// program for the increments z of their multipliers,
 ///
 ///     minimise 1/2 z' (R W R' + A) z - b'z,   R = [-J; N],  W the inverse masses,
@@ -38,7 +38,7 @@ public:
   /// where it ended, from there on. Collective.
   template<class Limit>
   QpReport solve_on(const QpEffort& effort, Limit&& limit) {
-    limit(row_part(), std::span(contact_.lower), std::span(contact_.upper));
+    limit(row_part(), of_contacts(lower_), of_contacts(upper_));
     return solve(effort);
   }
 
@@ -65,12 +65,14 @@ private:
     std::vector<Block> blocks;
     std::vector<Part> parts; ///< of all blocks
     std::vector<Vec3> directions;
-    std::vector<double> lower, upper;
     std::vector<double> diagonal; ///< compliance in it
     std::vector<double> compliance;
   };
 
   QpReport solve(const QpEffort& effort);
+  std::span<double> of_contacts(std::vector<double>& bounds) const {
+    return std::span(bounds).subspan(set_rows_ - equations_);
+  }
   void take_set(QpGuess guess);
   void take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows);
   void add_block(const Contact& contact);
@@ -81,9 +83,10 @@ private:
   const Cloth& cloth_;
   const ContactSearch& search_;
   Set* set_ = nullptr; ///< of the program in hand
-  std::size_t set_rows_ = 0;
+  std::size_t set_rows_ = 0, equations_ = 0;
   ContactPart contact_;
   std::vector<double> z_, rhs_, tolerance_;
+  std::vector<double> lower_, upper_; ///< of one-sided rows of the set, and of contacts
   std::vector<Vec3> field_, push_;
 };
 

@@ -91,7 +91,7 @@ std::optional<ImpulseContact::Impact> ImpulseContact::impact(const Pair& pair, c
   const double yields = scene_.inverse_effective_mass(pair, approach.weights);
   if (yields == 0) return {};
   const double friction = friction_of(pair, scene_.obstacles(), contact_);
-  const Vec3 spin = scene_.spin(pair.body, approach.normal);
+  const Vec3 spin = scene_.spin(pair.body, approach.offset(pair));
   return Impact{pair.vertices, approach.weights, approach.normal, yields, wanted, friction, spin};
 }
 

@@ -34,14 +34,17 @@ struct MetricSystem::Petsc {
   OwnedVec rhs, solution;
   LinearSolver solver;
 
-  Petsc(MPI_Comm comm, const SolverOptions& options) : solver(comm, "projection", options, PCGAMG) {
+  Petsc(MPI_Comm comm, const SolverOptions& options, Preconditioner preconditioner)
+      : solver(comm, "projection", options, preconditioner == Preconditioner::sweep ? PCSOR : PCGAMG) {
     set_up_multigrid(solver);
   }
 };
 
 MetricSystem::MetricSystem(const DistributedMesh& mesh, std::span<const std::size_t> begin,
-                           std::span<const Local> rows, const SolverOptions& options)
-    : mesh_(mesh), begin_(begin.begin(), begin.end()), petsc_(std::make_unique<Petsc>(mesh.comm, options)) {
+                           std::span<const Local> rows, const SolverOptions& options,
+                           Preconditioner preconditioner)
+    : mesh_(mesh), begin_(begin.begin(), begin.end()),
+      petsc_(std::make_unique<Petsc>(mesh.comm, options, preconditioner)) {
   std::vector<PetscInt> i, j;
   const auto add = [&](Local row, int k, Local column, int l) {
     i.push_back(PetscInt(2 * mesh.vertices.global(row) + k));

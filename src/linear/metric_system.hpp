@@ -11,13 +11,18 @@ namespace taut {
 /// warp and weft at each vertex, which depend on the vertex and its neighbours. Every rank adds what the
 /// motion of its own vertices brings about, J_p W_p J_p^T, to rows of its own and of others.
 ///
-/// PETSc prefix `-projection_`. `cg` uses PETSc's `gamg`, `mumps` factorises.
+/// PETSc prefix `-projection_`. `mumps` factorises, `cg` is preconditioned as is said.
 class MetricSystem {
 public:
+  enum class Preconditioner {
+    multigrid, ///< algebraic, for solves
+    sweep      ///< of Gauss-Seidel, there and back: for programs, which end after some tens of products
+  };
+
   /// The rows (local vertices) that owned vertex p has a part in are rows[begin[p] .. begin[p + 1]). `mesh`
   /// must outlive the system. Collective.
   MetricSystem(const DistributedMesh& mesh, std::span<const std::size_t> begin, std::span<const Local> rows,
-               const SolverOptions& options);
+               const SolverOptions& options, Preconditioner preconditioner);
   ~MetricSystem();
 
   /// W = S_i / m_i. `columns`: for each of `rows`, the derivatives by x_p of its two constraints;

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Global format = 4;
+constexpr Global format = 5;
 constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
 
 /// Everything in a checkpoint but the case, once, for writing and for reading.
@@ -70,16 +70,18 @@ public:
   }
   void on_contacts(const std::string& name, const ContactMemory& contacts) {
     std::vector<Global> keys;
-    std::vector<double> forces;
+    std::vector<double> forces, drifts;
     for (const auto& [key, entry] : contacts) {
       keys.insert(keys.end(), key.begin(), key.end());
       for (const ContactImpulse& p : {entry.pressed, entry.carried})
         forces.insert(forces.end(), {p.normal, p.tangent.x(), p.tangent.y(), p.tangent.z()});
+      drifts.insert(drifts.end(), entry.drift.begin(), entry.drift.end());
     }
     const auto mine = Global(contacts.size());
     const Slab rows{exclusive_sum(mesh_.comm, mine), mine, sum_over(mesh_.comm, mine)};
     file_.write<Global>(name + "/keys", keys, 4, rows);
     file_.write<double>(name + "/forces", forces, 8, rows);
+    file_.write<double>(name + "/drifts", drifts, 3, rows);
   }
 
 private:
@@ -142,10 +144,11 @@ public:
     const Slab rows = slab_of(file_.rows(keys_name), size_of(mesh_.comm), rank_of(mesh_.comm));
     const std::vector<ContactKey> keys = read_keys(keys_name, rows);
     const auto forces = read_rows<std::array<double, 8>>(name + "/forces", rows);
+    const auto drifts = read_rows<Vec3>(name + "/drifts", rows);
     std::vector<ContactMemory::value_type> read; // in the order of whichever ranks wrote them
     for (std::size_t i = 0; i < keys.size(); ++i) {
       const auto& f = forces[i];
-      read.push_back({keys[i], {{f[0], Vec3(f[1], f[2], f[3])}, {f[4], Vec3(f[5], f[6], f[7])}}});
+      read.push_back({keys[i], {{f[0], Vec3(f[1], f[2], f[3])}, {f[4], Vec3(f[5], f[6], f[7])}, drifts[i]}});
     }
     contacts = bring_home(mesh_, ContactMemory(read.begin(), read.end()));
   }

@@ -33,6 +33,8 @@ ContactImpulse& ContactImpulse::operator+=(const ContactImpulse& other) {
 }
 
 ContactEntry& ContactEntry::operator+=(const ContactEntry& other) {
+  const double both = pressed.normal + other.pressed.normal;
+  if (both > 0) drift += other.pressed.normal / both * (other.drift - drift);
   pressed += other.pressed;
   carried += other.carried;
   return *this;

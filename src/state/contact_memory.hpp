@@ -26,10 +26,13 @@ struct ContactImpulse {
 };
 
 struct ContactEntry {
-  ContactImpulse pressed; ///< N, by the last step
-  ContactImpulse carried; ///< N, what of it is in State::contact_force
+  ContactImpulse pressed;    ///< N, by the last step
+  ContactImpulse carried;    ///< N, what of it is in State::contact_force
+  Vec3 drift = Vec3::Zero(); ///< m, from where they stick to each other to where they are
 
-  ContactEntry scaled(double factor) const { return {pressed.scaled(factor), carried.scaled(factor)}; }
+  /// A part of the forces; the drift is the same for each.
+  ContactEntry scaled(double factor) const { return {pressed.scaled(factor), carried.scaled(factor), drift}; }
+  /// The drift is the mean of both, by what pressed them.
   ContactEntry& operator+=(const ContactEntry& other);
 };
 using ContactMemory = boost::container::flat_map<ContactKey, ContactEntry>;

@@ -157,10 +157,21 @@ std::vector<Vec3> start_positions(const Cloth& cloth, const Case& input) {
   return positions;
 }
 
+constexpr double most = 1e9; ///< m from the origin
+
+/// Pins and obstacles stay where cloth can be.
+void check_motion(const Case& input, std::string_view key, const std::vector<config::Keyframe>& motion) {
+  for (std::size_t k = 0; k < motion.size(); ++k)
+    if (const double way = motion[k].translate.lpNorm<Eigen::Infinity>(); !(way <= most))
+      throw InputError(
+          fmt::format("{}: {}.motion.{}.translate: {:.3g} m are more than {:g} m; correct it, or "
+                      "its unit",
+                      input.file.string(), key, k, way, most));
+}
+
 /// Where squares overflow, or a coordinate is rounded by more than the strain limit leaves an edge, nothing
 /// could be computed.
 void check_scale(const Cloth& cloth, const Case& input, std::span<const Vec3> positions) {
-  constexpr double most = 1e9; // m
   double farthest = 0, shortest = HUGE_VAL;
   for (std::size_t i = 0; i < positions.size(); ++i)
     for (const Vec3& x : {positions[i], cloth.mesh.rest_positions[i]})
@@ -190,6 +201,10 @@ State start_state(const Cloth& cloth, const Case& input) {
   State state;
   state.positions = start_positions(cloth, input);
   check_scale(cloth, input, state.positions);
+  for (std::size_t k = 0; k < input.pins.size(); ++k)
+    check_motion(input, fmt::format("pins.{}", k), input.pins[k].motion);
+  for (std::size_t k = 0; k < input.obstacles.size(); ++k)
+    check_motion(input, fmt::format("obstacles.{}", k), input.obstacles[k].motion);
   state.velocities.assign(mesh.vertices.size(), Vec3::Zero());
   state.multipliers.force_density.assign(mesh.edges.size(), 0.0);
   state.reported.reaction.assign(mesh.vertices.owned, Vec3::Zero());

@@ -119,12 +119,14 @@ TEST(ContactResume, ForgetsWhatTheLastStepDidNotPress) {
   EXPECT_EQ(contacts_in(folder / "b.h5"), contacts_in(folder / "unbroken.h5"));
 }
 
-ContactEntry entry(double x) { return {{x, Vec3(2 * x, 0, 0)}, {3 * x, Vec3(0, 0, 4 * x)}}; }
+const Vec3 drift(1e-5, 2e-5, 0);
 
-/// Normal and tangent of both parts as one.
+ContactEntry entry(double x) { return {{x, Vec3(2 * x, 0, 0)}, {3 * x, Vec3(0, 0, 4 * x)}, drift}; }
+
+/// Normal and tangent of both parts, and the drift, as one.
 Column column(const ContactEntry& e) {
-  Column all(8);
-  all << e.pressed.normal, e.pressed.tangent, e.carried.normal, e.carried.tangent;
+  Column all(11);
+  all << e.pressed.normal, e.pressed.tangent, e.carried.normal, e.carried.tangent, e.drift;
   return all;
 }
 
@@ -170,6 +172,15 @@ TEST_F(Contacts, AreHandedOutOnceAndShared) {
   }
   EXPECT_EQ(sum_over(world, Global(at_home.size())), 28);
   EXPECT_TRUE(hand_out(mesh, at_home, wanted).empty());
+}
+
+TEST(ContactEntry, DriftIsTheMeanByWhatPressed) {
+  ContactEntry sum;
+  sum += {{1, Vec3::Zero()}, {}, Vec3(0.1, 0, 0)};
+  EXPECT_EQ(sum.drift, Vec3(0.1, 0, 0)) << "to the bit";
+  sum += {{3, Vec3::Zero()}, {}, Vec3(0.5, 0, 0)};
+  EXPECT_NEAR(sum.drift.x(), 0.4, 1e-15);
+  EXPECT_EQ(sum.scaled(0.5).drift, sum.drift);
 }
 
 TEST_F(Contacts, ComeBackFromACheckpoint) {
