@@ -10,7 +10,8 @@ namespace taut {
 
 namespace {
 
-constexpr int rounds = 2; ///< of evening out
+constexpr int rounds = 2;                        ///< of evening out
+constexpr double all_around = 0, opposite = 0.7; ///< cosines
 
 /// The vertices of a body along x.
 class AlongX {
@@ -22,15 +23,16 @@ public:
   }
 
   /// Of the largest ball that touches the surface at v on the side of `normal` and has no vertex inside, at
-  /// most `most`.
-  double radius_at(Local v, const Vec3& normal, double most) const {
+  /// most `most`; of vertices whose direction from v has a cosine above `cone` with the normal.
+  double radius_at(Local v, const Vec3& normal, double most, double cone) const {
     const Vec3& p = positions_[v];
     const auto from = std::lower_bound(order_.begin(), order_.end(), p[0] - 2 * most,
                                        [&](Local w, double x) { return positions_[w][0] < x; });
     double radius = most;
     for (auto w = from; w != order_.end() && positions_[*w][0] <= p[0] + 2 * most; ++w) {
       const Vec3 apart = positions_[*w] - p;
-      if (apart.dot(normal) > 0) radius = std::min(radius, radius_of_ball(apart, normal));
+      if (const double deep = apart.dot(normal); deep > cone * apart.norm())
+        radius = std::min(radius, radius_of_ball(apart, normal));
     }
     return radius;
   }
@@ -40,6 +42,12 @@ private:
   std::vector<Local> order_;
 };
 
+/// Where evening out took from what is asked for, it is asked for again.
+void keep_at_least(std::vector<Vec3>& ways, std::span<const Vec3> asked) {
+  for (std::size_t v = 0; v < ways.size(); ++v)
+    if (ways[v].norm() < asked[v].norm()) ways[v] = asked[v];
+}
+
 } // namespace
 
 std::vector<Vec3> ways_to_room(std::span<const Vec3> positions,
@@ -48,10 +56,13 @@ std::vector<Vec3> ways_to_room(std::span<const Vec3> positions,
   const AlongX vertices(positions);
   std::vector<Vec3> ways(positions.size(), Vec3::Zero());
   for (Local v = 0; v < Local(ways.size()); ++v) {
-    const double missing = 0.5 * room - vertices.radius_at(v, normals[v], 0.5 * room);
-    if (missing > 0) ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room)) * normals[v];
+    const double missing = 0.5 * room - vertices.radius_at(v, normals[v], 0.5 * room, all_around);
+    if (missing > 0)
+      ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room, opposite)) * normals[v];
   }
+  const std::vector<Vec3> asked = ways;
   even_out(ways, triangles, rounds);
+  keep_at_least(ways, asked);
   return ways;
 }
 
