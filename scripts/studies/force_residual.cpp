@@ -72,8 +72,8 @@ private:
       if (freedom_.is_held(i)) continue;
       const Vec3 moved = dt_ * (end.velocities[i] - candidate_.velocities[i]);
       const Vec3 f = cloth.mass[i] * moved + constraints.pull(i, constraints.gradients(), mu);
-      force += f;
-      weight += std::pow(cloth.mass[i] * input_.gravity.largest(), 2).squaredNorm();
+      force += f.squaredNorm();
+      weight += std::pow(cloth.mass[i] * input_.gravity.largest(), 2);
     }
     const MPI_Comm comm = cloth.mesh.comm;
     return std::sqrt(sum_over(comm, force) / sum_over(comm, weight)) / (dt_ * dt_);
