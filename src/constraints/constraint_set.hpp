@@ -20,7 +20,7 @@ enum class ConstraintUse {
 /// What bounds the compliance of rows.
 struct ComplianceBounds {
   double part = HUGE_VAL;   ///< the scaled compliance is at most so much of what the row yields by its masses
-  double strain = HUGE_VAL; ///< to which a row yields however hard it is pulled
+  double strain = HUGE_VAL; ///< from which on a row yields only by the logarithm of how hard it is pulled
 };
 
 /// With contact programs take few products, and their rows must not be softer than these reach. Alone rows
@@ -30,18 +30,19 @@ struct ComplianceBounds {
 /// stiff edges would throw back what it has strained.
 inline ComplianceBounds compliance_bounds(const config::Inextensibility& options, ConstraintUse use) {
   if (use == ConstraintUse::with_contact) return {.part = 1e-3};
-  if (options.may_bound_compliance) return {.strain = 0.5 * options.strain};
+  if (options.may_bound_compliance) return {.strain = 0.15 * options.strain};
   return {};
 }
 
-/// How far a row yields to its multiplier, and by how much more to a larger one: a mu at first, `most` in the
-/// end.
+/// How far a row yields to its multiplier, and by how much more to a larger one: a mu up to about `linear`,
+/// then by the logarithm. Without end, so that a thread between two pins can be pulled to any strain.
 struct Yield {
   double length, slope;
 };
-inline Yield yield(double compliance, double mu, double most) {
-  const double linear = compliance * mu, root = std::sqrt(1 + linear / most * (linear / most));
-  return {linear / root, compliance / (root * root * root)};
+inline Yield yield(double compliance, double mu, double linear) {
+  if (std::isinf(linear)) return {compliance * mu, compliance};
+  const double part = compliance * mu / linear;
+  return {linear * std::asinh(part), compliance / std::sqrt(1 + part * part)};
 }
 
 /// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the

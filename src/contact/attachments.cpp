@@ -1,6 +1,7 @@
 #include "src/contact/attachments.hpp"
 
 #include "src/config/cloths.hpp"
+#include "src/state/labelled.hpp"
 
 #include <fmt/format.h>
 

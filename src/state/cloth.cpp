@@ -79,18 +79,6 @@ garment::NamedParts parts_of(const Cloth& cloth) {
   return all;
 }
 
-std::vector<Global> labelled(std::span<const Piece> pieces, const std::string& label,
-                             const std::string& key) {
-  garment::Labels labels;
-  for (const Piece& piece : pieces)
-    for (const auto& [name, vertices] : piece.parts.labels)
-      for (const Global v : vertices) labels[name].push_back(piece.first_vertex + v);
-  const auto found = labels.find(label);
-  if (found == labels.end())
-    throw InputError(fmt::format("{}: {}", key, garment::no_such_label(labels, label)));
-  return found->second;
-}
-
 double lowest(const Cloth& cloth, std::span<const Vec3> positions, const Vec3& down) {
   double depth = -std::numeric_limits<double>::infinity();
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) depth = std::max(depth, positions[i].dot(down));

@@ -48,10 +48,6 @@ Cloth make_cloth(DistributedMesh distributed, const config::Material& material);
 /// name are one.
 garment::NamedParts parts_of(const Cloth& cloth);
 
-/// The vertices with a label, of these cloths together, in the numbers of all; `key` names it in the
-/// InputError if there are none.
-std::vector<Global> labelled(std::span<const Piece> pieces, const std::string& label, const std::string& key);
-
 /// |d| / l - 1 of an edge.
 inline double strain_of(const Cloth& cloth, std::span<const Vec3> positions, Local edge) {
   const auto& [a, b] = cloth.mesh.edge_vertices[edge];

@@ -2,6 +2,7 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/state/labelled.hpp"
 #include "src/state/told_apart.hpp"
 
 #include <Eigen/Geometry>

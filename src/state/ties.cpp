@@ -1,6 +1,7 @@
 #include "src/state/ties.hpp"
 
 #include "partition/fetch.hpp"
+#include "src/state/labelled.hpp"
 
 #include <fmt/format.h>
 

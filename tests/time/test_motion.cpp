@@ -269,6 +269,21 @@ TEST(Acceptance, TakesNothingThatIsNotANumber) {
 }
 
 // Tension grows as steps are halved; if what it stretches grew with it, no step would be short enough.
+TEST(Compliance, LetsPinsPullThreadsToTheLimit) {
+  for (const std::string method : {"fast_projection", "newton"}) {
+    Simulation simulation(world, case_of("cloth: {grid: {size: [1, 1], vertices: [9, 9]}}\n"
+                                         "pins: [{vertices: [0]}, {vertices: [8], motion: [{time: 0}, "
+                                         "{time: 0.1, translate: [0.0095, 0, 0]}]}]\n"
+                                         "inextensibility: {method: " +
+                                         method +
+                                         "}\n"
+                                         "time: {end: 0.5, frame_rate: 10, max_step: 0.01}\n"));
+    Recorder record(simulation);
+    run_to_the_end(simulation, record);
+    for (const StepRecord& r : record.records) EXPECT_LE(r.strain.max, 0.01);
+  }
+}
+
 TEST(Compliance, DoesNotSoftenShortSteps) {
   const std::string yank = "{time: 0}, {time: 0.02, translate: [0, 0, 0.3]}";
   for (const std::string method : {"fast_projection", "newton"}) {
