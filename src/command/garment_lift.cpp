@@ -77,21 +77,30 @@ std::vector<double> blocked_ways(const std::vector<Way>& ways, const std::vector
   return blocked;
 }
 
-/// The nearest of those places at which ways are hardly nearer to a body than at the best.
+/// How near ways are to bodies after so many paces: those that pass at places up to the clearance away.
+double cost_at(const std::vector<double>& blocked, int paces) {
+  double cost = 0;
+  for (int j = -clearance; j <= clearance; ++j)
+    cost += (1 - std::abs(j) / (clearance + 1.0)) * blocked[paces + j + farthest + clearance];
+  return cost;
+}
+
+/// The nearest of those places at which ways are hardly nearer to a body than at the best. What lies beyond a
+/// place that is worse than the start does not count: above its shoulders a shirt passes no arm either.
 double best_lift(const std::vector<double>& blocked) {
-  constexpr double hardly = 0.03;
-  const double all = *std::max_element(blocked.begin(), blocked.end());
-  std::vector<double> costs; // of 0, 1, -1, 2, ... paces
-  const auto paces = [](int n) { return n % 2 == 1 ? (n + 1) / 2 : -n / 2; };
-  for (int n = 0; n <= 2 * farthest; ++n) {
-    double cost = 0;
-    for (int j = -clearance; j <= clearance; ++j)
-      cost += (1 - std::abs(j) / (clearance + 1.0)) * blocked[paces(n) + j + farthest + clearance];
-    costs.push_back(cost);
-  }
-  const double most = *std::min_element(costs.begin(), costs.end()) + hardly * all;
-  const auto first = std::find_if(costs.begin(), costs.end(), [&](double c) { return c <= most; });
-  return paces(int(first - costs.begin())) * pace;
+  const double hardly = 0.03 * *std::max_element(blocked.begin(), blocked.end());
+  const double start = cost_at(blocked, 0);
+  std::vector<std::pair<int, double>> places{{0, start}};
+  for (const int direction : {1, -1})
+    for (int n = 1; n <= farthest && cost_at(blocked, direction * n) <= start + hardly; ++n)
+      places.emplace_back(direction * n, cost_at(blocked, direction * n));
+  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
+    return std::pair(std::abs(a.first), -a.first) < std::pair(std::abs(b.first), -b.first);
+  });
+  const auto by_cost = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const double best = std::min_element(places.begin(), places.end(), by_cost)->second;
+  const auto is_as_good = [&](const auto& place) { return place.second <= best + hardly; };
+  return std::find_if(places.begin(), places.end(), is_as_good)->first * pace;
 }
 
 } // namespace

@@ -119,8 +119,7 @@ TEST(NewtonStep, ComesToRestOnABall) {
   EXPECT_LT(restless, 3e-6 * heavy * 0.2);
   Vec3 borne = Vec3::Zero();
   for (const Vec3& f : simulation.state().reported.contact_force) borne += f;
-  EXPECT_NEAR(sum_over(world, borne[2]), heavy,
-              0.02 * heavy);
+  EXPECT_NEAR(sum_over(world, borne[2]), heavy, 0.02 * heavy);
 }
 
 // A patch of cloth on a plane tilted by 20 degrees: held by friction above tan 20 = 0.364, else accelerated
