@@ -38,7 +38,7 @@ def hanging():
 def scenes(case):
     """`case` is where the text of a named case stands."""
     def shipped(name, *sets):
-        return [f"cloth.grid.vertices=[{{side}}, {{side}}]", *sets], case(name)
+        return ["cloth.grid.vertices=[{side}, {side}]", *sets], case(name)
 
     sphere, sphere_text = shipped("sphere-large")
     pile, pile_text = shipped("pile")

@@ -2,6 +2,7 @@
 
 #include "partition/error.hpp"
 #include "src/config/cloths.hpp"
+#include "src/garment/turn_panels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,10 +53,20 @@ Corners2 triangle_of(double first, double second, double third) {
   return {Vec2::Zero(), Vec2(first, 0), Vec2(along, height), Vec2::Zero()};
 }
 
+/// Counter-clockwise, also of a cell of a panel that was turned round.
+Corners2 shape_as_cut(const Corners2& texture, int corners) {
+  Corners2 shape = texture;
+  const Vec2 one = shape[1] - shape[0], two = shape[corners - 1] - shape[0];
+  if (one[0] * two[1] < two[0] * one[1])
+    for (Vec2& corner : shape) corner[1] = -corner[1];
+  return shape;
+}
+
 /// Cells stay as they were cut unless a side of theirs is gathered or elastic; only triangles lie at an
 /// outline, and quads are within a panel that is elastic as a whole.
 void find_rest_shapes(SewnMesh& sewn, const Lengths& lengths) {
-  sewn.rest_shape = sewn.texture;
+  for (std::size_t c = 0; c < sewn.cells.size(); ++c)
+    sewn.rest_shape.push_back(shape_as_cut(sewn.texture[c], sewn.cells[c].size()));
   for (std::size_t c = 0; c < sewn.cells.size(); ++c) {
     if (sewn.cells[c].size() == 4) {
       const double part = lengths.at(side_of(sewn.cells[c], 0)) / length_of_side(sewn.texture[c], 4, 0);
@@ -148,6 +159,7 @@ SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std
   }
   for (std::size_t v = 0; v < count.size(); ++v) sewn.positions[v] /= count[v];
   join_cells(mesh, name, sewn);
+  turn_panels(mesh, name, sewn);
   Lengths lengths = lengths_of_sides(sewn);
   for (const ShorterSides& sides : shorter) shorten(numbers_of(sewn, sides.vertices), sides.part, lengths);
   find_rest_shapes(sewn, lengths);

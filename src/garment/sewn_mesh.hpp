@@ -11,7 +11,7 @@ std::vector<Global> joints_of(const GarmentMesh& mesh);
 /// A garment as one mesh. Panels, seams and labels as names with what they consist of.
 struct SewnMesh {
   std::vector<Vec3> positions;           ///< m
-  std::vector<Cell> cells;               ///< as those of the panels
+  std::vector<Cell> cells;               ///< as those of the panels, oriented alike (turn_panels.hpp)
   std::vector<Corners2> texture;         ///< of the corners of each cell, m: u along warp, v along weft
   std::vector<Corners2> rest_shape;      ///< m, see MeshSlab
   std::vector<Global> number;            ///< of each vertex of the panels, here
@@ -32,8 +32,8 @@ std::vector<ShorterSides> shorter_sides(const GarmentMesh& mesh, const Case& inp
 
 /// What `mesh` becomes when its vertices are at `positions` and those that belong together are made one, in
 /// the middle. A side that two panels share is as long as the shorter of its two: the other is gathered to
-/// it; so is all to what is `shorter`. Throws `InputError` if a cell would lose a side, or for a quad of
-/// which some sides are shorter. Not collective.
+/// it; so is all to what is `shorter`. Throws `InputError` if a cell would lose a side, for a quad of which
+/// some sides are shorter, and for panels that cannot be oriented alike. Not collective.
 SewnMesh sew(const GarmentMesh& mesh, std::span<const Vec3> positions, const std::string& name,
              std::span<const ShorterSides> shorter = {});
 

@@ -132,6 +132,32 @@ TEST(Sewn, ElasticEdgesAreShorterAndTheClothBesideThemIsNot) {
                 0.64 * area_of(small.texture[c], small.cells[c].size()), 1e-12);
 }
 
+// A front and a back that both face forwards, as in trousers: joined side by side, right side to wrong side.
+TEST(Sewn, TurnsPanelsRoundWhoseWrongSideGoesOn) {
+  const std::string panels = "panels:\n" + rectangle("front", 0.2, 0.1) + rectangle("back", 0.2, 0.1);
+  const auto sewn_of = [&](const std::string& stitches) {
+    const GarmentMesh mesh = mesh_garment(pattern_of(panels + "stitches: [" + stitches + "]\n"), {0.02, {}});
+    const SewnMesh sewn = sew(mesh, mesh.positions, "tube");
+    std::set<std::pair<Global, Global>> directed;
+    for (std::size_t c = 0; c < sewn.cells.size(); ++c)
+      for (int k = 0, n = sewn.cells[c].size(); k < n; ++k) {
+        EXPECT_TRUE(directed.insert({sewn.cells[c].vertices[k], sewn.cells[c].vertices[(k + 1) % n]}).second);
+        const double length = (sewn.texture[c][(k + 1) % n] - sewn.texture[c][k]).norm();
+        EXPECT_NEAR((sewn.rest_shape[c][(k + 1) % n] - sewn.rest_shape[c][k]).norm(), length, 1e-12);
+        EXPECT_GT(area_of(sewn.rest_shape[c], n), 0.0);
+      }
+    return sewn;
+  };
+  const auto seam = [](int edge, int other, const char* more) {
+    return "[{panel: front, edge: " + std::to_string(edge) +
+           "}, {panel: back, edge: " + std::to_string(other) + "}" + more + "]";
+  };
+  const SewnMesh sewn = sewn_of(seam(1, 1, ", right_wrong") + ", " + seam(3, 3, ", right_wrong"));
+  EXPECT_GT(area_of(sewn.texture.front(), sewn.cells.front().size()), 0.0);
+  EXPECT_LT(area_of(sewn.texture.back(), sewn.cells.back().size()), 0.0);
+  EXPECT_THROW(sewn_of(seam(1, 1, ", right_wrong") + ", " + seam(3, 3, "")), InputError);
+}
+
 TEST(Sewn, IsReadAgainAsAMeshWithoutFault) {
   std::string folder = (fs::temp_directory_path() / "taut-sewn-XXXXXX").string();
   folder = broadcast(world, [&] { return std::string(mkdtemp(folder.data())); });
