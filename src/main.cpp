@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -180,11 +181,11 @@ private:
   void check_command(const Arguments& arguments) const {
     if (arguments.own.size() < 2 || arguments.own[1][0] == '-') return;
     const std::string word = arguments.own[1];
-    for (const CLI::App* command : app_.get_subcommands(nullptr))
-      if (command->get_name() == word) return;
-    throw InputError(fmt::format("there is no command '{}'; commands are run, resume, check, info, "
-                                 "partition, mesh, export and schema, see taut --help",
-                                 word));
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app_.get_subcommands(nullptr)) commands.push_back(command->get_name());
+    if (std::ranges::find(commands, word) != commands.end()) return;
+    throw InputError(fmt::format("there is no command '{}'; commands are {}, see taut --help", word,
+                                 fmt::join(commands, ", ")));
   }
 
   /// PETSc's own way to write options, before --.

@@ -311,7 +311,7 @@ MISTAKES = [
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
             "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh, "
-            "export and schema, see taut --help"),
+            "export, fabrics, schema, see taut --help"),
     Mistake("pattern_stitches", "taut: pattern.yaml:3:14: stitches.0.0.panel: there is no panel 'fornt' (did you mean "
             "'front'?); there are front",
             files={"pattern.yaml": PATTERN + "stitches:\n"
