@@ -99,7 +99,8 @@ void describe(V& v, Is<Material> auto& m) {
   v("stretch", m.stretch,
     {.unit = Unit::cloth_stretch,
      .range = not_negative,
-     .computed_default = "0; from the weight, where `inextensibility.constrain` is vertices",
+     .computed_default =
+         "0; from the weight, where `inextensibility.constrain` is vertices, but not of newton with contact",
      .meaning = "stretch stiffness of warp and weft, per strain; for cloth without inextensibility"});
   v("stretch_weft", m.stretch_weft,
     {.unit = Unit::cloth_stretch,
