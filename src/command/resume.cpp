@@ -234,8 +234,9 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   try_petsc_options(simulation, input, options.petsc);
   drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
   announce(comm, simulation, stage, out);
-  const int code = simulate(comm, stage, simulation,
-                            {stop, out, options.progress, began, std::move(totals), {}, case_as_run(input)});
+  const int code = simulate(
+      comm, stage, simulation,
+      {stop, out, options.progress, began, std::move(totals), {}, case_as_run(input), options.folder});
   if (!before || code != success) return code;
   const CaseSource source{out / run_files::case_as_run, options.overrides, options.petsc};
   return run_after(*before, comm, input, simulation,

@@ -222,8 +222,8 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
   make_run_folder(comm, out, input.file);
   clear_run_folder(comm, out, ExistingRun::overwrite);
   announce(comm, simulation, stage, out);
-  const int code =
-      simulate(comm, stage, simulation, {stop, out, options.progress, began, {}, {}, case_as_run(input)});
+  const int code = simulate(comm, stage, simulation,
+                            {stop, out, options.progress, began, {}, {}, case_as_run(input), options.out});
   if (which == SewingStage::fitting && code == step_failure && rank_of(comm) == 0)
     fmt::print(stderr,
                "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "

@@ -62,11 +62,11 @@ void report_success(MPI_Comm comm, const Case& input, const Simulation& simulati
              input.has_contact() ? "; no intersections found" : "", input.name, out.string(), out.string());
 }
 
-void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& out) {
+void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& run) {
   if (rank_of(comm) != 0 || outcome.completed()) return;
   fmt::print(stderr, "taut: {}\n", outcome.reason);
   if (outcome.ending == Ending::interrupted)
-    fmt::print(stderr, "taut: nothing is lost; go on with: taut resume {}\n", out.string());
+    fmt::print(stderr, "taut: nothing is lost; go on with: taut resume {}\n", run.string());
 }
 
 } // namespace
@@ -116,7 +116,7 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
     write_text_whole(comm, context.counters,
                      counters_text(comm, summary.totals(0), simulation.rejected_steps()));
   if (outcome.completed()) report_success(comm, input, simulation, summary.totals(written.seconds), out);
-  report_failure(comm, outcome, out);
+  report_failure(comm, outcome, context.whole.empty() ? out : context.whole);
   return exit_code(outcome.ending);
 }
 

@@ -14,6 +14,7 @@ struct RunContext {
   Totals totals;                    ///< of the run so far
   std::filesystem::path counters{}; ///< as in RunOptions
   std::string case_text{};          ///< what is kept as the case that was run; empty: `input` as it is
+  std::filesystem::path whole{};    ///< the run that this one is a stage of, for `taut resume`; empty: `out`
 };
 
 /// The case as YAML, to be run again from anywhere.

@@ -134,7 +134,7 @@ class Sewing(Temporary):
         job = running.Job(self.folder, ("run", "case.yaml", "--out", "stopped"), 2)
         self.assertTrue(job.wait_for(lambda: rows(self.folder / "stopped/sewing") >= 20))
         os.kill(job.ranks()[0], signal.SIGTERM)
-        job.end()
+        self.assertTrue(job.end()[2].endswith("go on with: taut resume stopped"))
         run = self.folder / "stopped"
         self.assertFalse((run / "case.yaml").exists())
         code, out, err = self.taut("resume", "stopped", ranks=1)
