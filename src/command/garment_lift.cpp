@@ -90,17 +90,20 @@ double cost_at(const std::vector<double>& blocked, int paces) {
 double best_lift(const std::vector<double>& blocked) {
   const double hardly = 0.03 * *std::max_element(blocked.begin(), blocked.end());
   const double start = cost_at(blocked, 0);
-  std::vector<std::pair<int, double>> places{{0, start}};
-  for (const int direction : {1, -1})
-    for (int n = 1; n <= farthest && cost_at(blocked, direction * n) <= start + hardly; ++n)
-      places.emplace_back(direction * n, cost_at(blocked, direction * n));
-  std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
-    return std::pair(std::abs(a.first), -a.first) < std::pair(std::abs(b.first), -b.first);
-  });
-  const auto by_cost = [](const auto& a, const auto& b) { return a.second < b.second; };
-  const double best = std::min_element(places.begin(), places.end(), by_cost)->second;
-  const auto is_as_good = [&](const auto& place) { return place.second <= best + hardly; };
-  return std::find_if(places.begin(), places.end(), is_as_good)->first * pace;
+  const auto is_on_the_way = [&](int paces) {
+    return std::abs(paces) <= farthest && cost_at(blocked, paces) <= start + hardly;
+  };
+  int lowest = 0, highest = 0;
+  while (is_on_the_way(lowest - 1)) --lowest;
+  while (is_on_the_way(highest + 1)) ++highest;
+  double best = start;
+  for (int n = lowest; n <= highest; ++n) best = std::min(best, cost_at(blocked, n));
+  const auto is_as_good = [&](int paces) {
+    return lowest <= paces && paces <= highest && cost_at(blocked, paces) <= best + hardly;
+  };
+  int paces = 0; // 1, -1, 2, ...
+  while (!is_as_good(paces)) paces = paces > 0 ? -paces : 1 - paces;
+  return paces * pace;
 }
 
 } // namespace

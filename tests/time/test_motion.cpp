@@ -268,7 +268,7 @@ TEST(Acceptance, TakesNothingThatIsNotANumber) {
   EXPECT_NE(fault_with([&](Candidate& c, std::size_t i) { c.end_velocities[i][1] = none; }, 0.005), "");
 }
 
-// Tension grows as steps are halved; if what it stretches grew with it, no step would be short enough.
+// A thread must be able to yield to any strain below the limit, however little compliance it has.
 TEST(Compliance, LetsPinsPullThreadsToTheLimit) {
   for (const std::string method : {"fast_projection", "newton"}) {
     Simulation simulation(world, case_of("cloth: {grid: {size: [1, 1], vertices: [9, 9]}}\n"
@@ -284,6 +284,7 @@ TEST(Compliance, LetsPinsPullThreadsToTheLimit) {
   }
 }
 
+// Tension grows as steps are halved; if what it stretches grew with it, no step would be short enough.
 TEST(Compliance, DoesNotSoftenShortSteps) {
   const std::string yank = "{time: 0}, {time: 0.02, translate: [0, 0, 0.3]}";
   for (const std::string method : {"fast_projection", "newton"}) {
