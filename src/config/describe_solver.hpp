@@ -99,7 +99,10 @@ void describe(V& v, Is<Inextensibility> auto& i) {
     {.range = at_least(1),
      .meaning = "of fast_projection with constrain: vertices: largest strain of single triangles along warp "
                 "and weft, over `strain`"});
-  v("solver", i.solver, {.meaning = "linear solver of a projection"});
+  v("solver", i.solver,
+    {.computed_default = "cg; mumps with method newton on meshes with triangles, without contact, of at most "
+                         "20 000 vertices",
+     .meaning = "linear solver of a projection or of Newton's method: iterative, or MUMPS (direct)"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
   v("residual", i.residual,
     {.range = positive,
@@ -125,7 +128,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
           "vertices works with methods fast_projection and newton only; choose one of these, or edges");
   check_use(v, "faces", i.faces == standard.faces, i.method == fast_projection, i.method);
-  check_use(v, "solver", i.solver == standard.solver, projects && i.method != newton, i.method);
+  check_use(v, "solver", !i.solver, projects, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);
   check_use(v, "carried_tension", i.carried_tension == standard.carried_tension,

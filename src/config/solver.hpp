@@ -54,7 +54,7 @@ struct Inextensibility {
   std::optional<Constrain> constrain; ///< absent: see constrain_of
   double strain = 0.01;
   double faces = 5; ///< of single triangles under averages, in strains
-  LinearSolver solver = LinearSolver::cg;
+  std::optional<LinearSolver> solver; ///< absent: see resolve
   int max_iterations = 20;
   double residual = 0.3; ///< of newton
   bool carried_tension = true;

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/linear/row_edge.hpp"
 #include "src/linear/solver_options.hpp"
 #include "src/state/freedom.hpp"
 #include "src/state/state.hpp"
@@ -44,14 +45,6 @@ inline Yield yield(double compliance, double mu, double linear) {
   const double part = compliance * mu / linear;
   return {linear * std::asinh(part), compliance / std::sqrt(1 + part * part)};
 }
-
-/// An entry of J: a row's part in the derivative by the squared length of an edge, as a factor of the
-/// gradients of the set.
-struct RowEdge {
-  std::size_t row; ///< owned
-  Local edge;      ///< local
-  double factor;
-};
 
 /// Where a row is at rest, and along what it keeps the length.
 struct RowPlace {

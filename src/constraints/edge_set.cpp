@@ -54,7 +54,7 @@ void EdgeSet::finish(Candidate& candidate) const {
 SolveReport EdgeSet::solve(double tolerance) {
   system_->assemble(constraints_.gradients(), inverse_mass(), freedom(), slopes_);
   constraints_.residual(mu_, change_);
-  const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver == config::LinearSolver::cg;
+  const bool may_use_threads = use_ == ConstraintUse::alone && options_.solver != config::LinearSolver::mumps;
   if (!threads_ && may_use_threads && ThreadStiffness::is_needed(constraints_, mu_))
     threads_.emplace(constraints_.cloth(), system_->yarns());
   if (threads_) threads_->choose(constraints_, mu_);

@@ -6,7 +6,7 @@
 
 namespace taut {
 
-/// How `inextensibility.solver` solves the linear systems of a projection.
+/// How `inextensibility.solver` solves the linear systems of a projection, or of Newton's method.
 inline SolverOptions solver_options(const config::Inextensibility& options) {
   using Kind = SolverOptions::Kind;
   return {options.solver == config::LinearSolver::mumps ? Kind::mumps : Kind::cg, 1000};

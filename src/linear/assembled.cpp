@@ -58,27 +58,8 @@ AssembledMatrix::AssembledMatrix(const DistributedMesh& mesh, const Pattern& pat
   if (!blocked) check(MatSetOption(matrix_, MAT_SPD, PETSC_TRUE)); // parallel BAIJ refuses it
 }
 
-void AssembledMatrix::collect_blocks(const FilteredOperator& filtered) {
-  const VertexMatrix& matrix = filtered.matrix();
-  for (std::size_t k = 0; k < blocks_.size(); ++k) blocks_[k] = matrix.values()[k] * Mat3::Identity();
-  matrix.for_each_rank_one([&](const auto& r) {
-    for (std::size_t a = 0; a < r.vertices.size(); ++a) {
-      if (!mesh_.owns_vertex(r.vertices[a])) continue;
-      for (std::size_t b = 0; b < r.vertices.size(); ++b)
-        blocks_[pattern_.slot(r.vertices[a], r.vertices[b])] += r.gradient[a] * r.gradient[b].transpose();
-    }
-  });
-  for (Local row = 0; row < pattern_.rows(); ++row) {
-    Mat3* block = blocks_.data() + pattern_.offset(row);
-    for (const Local column : pattern_.columns(row)) {
-      *block = filtered.filtered(row, column, *block);
-      ++block;
-    }
-  }
-}
-
 void AssembledMatrix::assemble(const FilteredOperator& filtered) {
-  collect_blocks(filtered);
+  filtered.blocks(blocks_);
   std::vector<PetscScalar> values; // one block row, three rows of numbers
   for (Local row = 0; row < pattern_.rows(); ++row) {
     const auto columns = pattern_.columns(row);

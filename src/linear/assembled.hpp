@@ -18,8 +18,6 @@ public:
   operator Mat() const { return matrix_; }
 
 private:
-  void collect_blocks(const FilteredOperator& filtered);
-
   const DistributedMesh& mesh_;
   const Pattern& pattern_;
   std::vector<Mat3> blocks_; ///< in the pattern's order

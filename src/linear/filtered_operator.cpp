@@ -50,4 +50,22 @@ void FilteredOperator::inverse_diagonal_blocks(std::span<Mat3> blocks) const {
   for (Mat3& block : blocks) block = block.inverse().eval();
 }
 
+void FilteredOperator::blocks(std::span<Mat3> blocks) const {
+  const Pattern& pattern = matrix_->pattern();
+  for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k] = matrix_->values()[k] * Mat3::Identity();
+  matrix_->for_each_rank_one([&](const auto& r) {
+    for (std::size_t a = 0; a < r.vertices.size(); ++a) {
+      if (!mesh_.owns_vertex(r.vertices[a])) continue;
+      for (std::size_t b = 0; b < r.vertices.size(); ++b)
+        blocks[pattern.slot(r.vertices[a], r.vertices[b])] += r.gradient[a] * r.gradient[b].transpose();
+    }
+  });
+  auto block = blocks.begin();
+  for (Local row = 0; row < pattern.rows(); ++row)
+    for (const Local column : pattern.columns(row)) {
+      *block = filtered(row, column, *block);
+      ++block;
+    }
+}
+
 } // namespace taut

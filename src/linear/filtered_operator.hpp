@@ -25,6 +25,10 @@ public:
   void diagonal_blocks(std::span<Mat3> blocks) const;
   void inverse_diagonal_blocks(std::span<Mat3> blocks) const;
 
+  /// All blocks, in the order of the matrix's pattern; but for terms between vertices that are no neighbours
+  /// (VertexMatrix::set_far).
+  void blocks(std::span<Mat3> blocks) const;
+
   const VertexMatrix& matrix() const { return *matrix_; }
   const Freedom& freedom() const { return *freedom_; }
 

@@ -24,17 +24,6 @@ void visit(const DistributedMesh& mesh, Vertex&& vertex, End&& end, Edge&& edge)
   for (Local e = 0; e < mesh.edges.owned; ++e) edge(e);
 }
 
-/// Pivots that MUMPS delays take memory which its analysis does not foresee: so many percent more.
-void leave_room_for_pivots(KSP ksp) {
-  constexpr PetscInt memory_relaxation = 14, percent = 300;
-  PC pc = nullptr;
-  Mat factor = nullptr;
-  check(KSPGetPC(ksp, &pc));
-  check(PCFactorSetUpMatSolverType(pc));
-  check(PCFactorGetMatrix(pc, &factor));
-  check(MatMumpsSetIcntl(factor, memory_relaxation, percent));
-}
-
 } // namespace
 
 KktSystem::Direct::Direct(const DistributedMesh& mesh, const SolverOptions& options)
@@ -59,7 +48,7 @@ KktSystem::Direct::Direct(const DistributedMesh& mesh, const SolverOptions& opti
   check(MatSetOption(matrix_, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   check(MatCreateVecs(matrix_, solution_.address(), rhs_.address()));
   check(KSPSetOperators(solver_, matrix_, matrix_));
-  leave_room_for_pivots(solver_);
+  solver_.leave_room_for_pivots();
 }
 
 void KktSystem::Direct::fix_pattern() {

@@ -91,6 +91,16 @@ SolveReport LinearSolver::solve(Vec rhs, Vec solution, double tolerance) {
 
 /// What calls itself converged may not have looked: preonly never does, nor does a test that options turn
 /// off.
+void LinearSolver::leave_room_for_pivots() {
+  constexpr PetscInt memory_relaxation = 14, percent = 300; // so many more
+  PC pc = nullptr;
+  Mat factor = nullptr;
+  check(KSPGetPC(ksp_, &pc));
+  check(PCFactorSetUpMatSolverType(pc));
+  check(PCFactorGetMatrix(pc, &factor));
+  check(MatMumpsSetIcntl(factor, memory_relaxation, percent));
+}
+
 void LinearSolver::verify(Vec rhs, Vec solution) {
   double whole = 0, left = 0;
   check(VecNorm(rhs, NORM_2, &whole));

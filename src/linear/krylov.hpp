@@ -17,6 +17,10 @@ public:
   /// by its true residual: throws InputError if that is no solution. Collective.
   SolveReport solve(Vec rhs, Vec solution, double tolerance);
 
+  /// Of MUMPS on an indefinite matrix, before the first solve: pivots that it delays take memory which its
+  /// analysis does not foresee. Collective.
+  void leave_room_for_pivots();
+
   operator KSP() const { return ksp_; }
 
 private:

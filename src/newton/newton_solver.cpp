@@ -21,26 +21,37 @@ double total_mass(const Cloth& cloth) {
   return sum_over(cloth.mesh.comm, sum);
 }
 
+std::vector<RowEdge> negated(std::vector<RowEdge> entries) {
+  for (RowEdge& e : entries) e.factor = -e.factor;
+  return entries;
+}
+
 } // namespace
 
 template<ConstraintSetInNewton Set>
-NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set)
+NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set,
+                                SolverOptions::Kind kind)
     : cloth_(cloth), set_(set), row_edges_(set.row_edges()), grids_(cloth.mesh, pattern),
-      coarse_(cloth.mesh, grids_, row_edges_, set.row_places()),
       gcr_(cloth.mesh.comm, 3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       total_mass_(total_mass(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       left_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
       metric_(cloth.mesh.vertices.size()), tolerance_(set.rows()),
-      rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {}
+      rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {
+  if (kind == SolverOptions::Kind::mumps)
+    factor_.emplace(cloth.mesh, pattern, negated(row_edges_), set.rows());
+  else
+    coarse_.emplace(cloth.mesh, grids_, row_edges_, set.row_places());
+}
 
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   stiffness_ = &stiffness;
   find_metric();
   grids_.set(stiffness);
-  set_.factor(metric_);
-  coarse_.set(set_.gradients(), set_.freedom(), set_.program_compliance());
   set_.program_tolerance(1.0, tolerance_);
+  if (factor_) return factor_->factor(stiffness, set_.gradients(), set_.program_compliance());
+  set_.factor(metric_);
+  coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
 }
 
 /// W, and the weights of residuals that go with it: 1/(J W J^T + a) of the rows, their diagonals nearly.
@@ -128,25 +139,38 @@ double NewtonSolver<Set>::strain(std::span<const double> c) const {
 /// The preconditioner for what is left, and its product, in `direction_` and `product_`.
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::find_direction() {
+  if (!factor_) return precondition();
+  factor_->solve(left_, direction_);
+  const auto x = as_vectors(direction_).first(std::size_t(cloth_.mesh.vertices.owned));
+  std::copy(x.begin(), x.end(), x_.begin());
+  cloth_.mesh.vertex_halo.update(x_);
+  begin_product();
+  std::copy_n(y_.begin(), x.size(), as_vectors(product_).begin());
+  end_product();
+}
+
+/// The same by grids and projections.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::precondition() {
   const DistributedMesh& mesh = cloth_.mesh;
   const auto n = std::size_t(mesh.vertices.owned);
   const auto r = as_vectors(left_).first(n);
   const auto c = std::span(left_).subspan(3 * n), d = std::span(direction_).subspan(3 * n);
 
   for (std::size_t row = 0; row < c.size(); ++row) rows_[row] = -c[row];
-  grids_.restrict_to(coarse_.level(), r, nodes_);
-  coarse_.solve(nodes_, rows_, start_, d);
+  grids_.restrict_to(coarse_->level(), r, nodes_);
+  coarse_->solve(nodes_, rows_, start_, d);
   for (double& m : d) m = -m;
 
   const auto b = as_vectors(product_).first(n); // r + J^T d
   spread(d);
   for (std::size_t i = 0; i < n; ++i) b[i] = r[i] - stiffness_->freedom().allowed(Local(i), y_[i]);
   const auto x = as_vectors(direction_).first(n);
-  grids_.solve(b, coarse_.level(), start_, x);
+  grids_.solve(b, coarse_->level(), start_, x);
   project(x);
   std::copy(x.begin(), x.end(), x_.begin());
   mesh.vertex_halo.update(x_);
-  choose_multipliers(b);
+  choose_multipliers();
 }
 
 /// `y_` = -J^T z on owned vertices.
@@ -204,31 +228,45 @@ void NewtonSolver<Set>::project(std::span<Vec3> x) {
     x[i] -= metric_[i] * stiffness_->freedom().allowed(Local(i), y_[i]);
 }
 
-/// d += e with (J W J^T + a) e = -J W (b - H x), for the displacements `x_`; then the product of both. `b` is
-/// where the product's first part comes to be.
+/// d += e with (J W J^T + a) e = -J W (b - H x), for the displacements `x_` and b where the product's first
+/// part comes to be; then the product of both.
 template<ConstraintSetInNewton Set>
-void NewtonSolver<Set>::choose_multipliers(std::span<Vec3> b) {
-  const Freedom& freedom = stiffness_->freedom();
-  const auto d = std::span(direction_).subspan(3 * b.size()), p = std::span(product_).subspan(3 * b.size());
-  std::fill(p.begin(), p.end(), 0.0);
-  set_.subtract_difference(x_, p);
-  stiffness_->matrix().multiply(x_, y_);
+void NewtonSolver<Set>::choose_multipliers() {
+  const auto b = as_vectors(product_).first(std::size_t(cloth_.mesh.vertices.owned));
+  const auto d = std::span(direction_).subspan(3 * b.size());
+  begin_product();
   for (std::size_t i = 0; i < b.size(); ++i) {
-    const Vec3 held_back = freedom.allowed(Local(i), y_[i]);
-    x_[i] = metric_[i] * (b[i] - held_back);
-    b[i] = held_back;
+    x_[i] = metric_[i] * (b[i] - y_[i]);
+    b[i] = y_[i];
   }
   cloth_.mesh.vertex_halo.update(x_);
   std::fill(rows_.begin(), rows_.end(), 0.0);
   set_.subtract_difference(x_, rows_);
   solve_rows();
+  for (std::size_t row = 0; row < rows_.size(); ++row) d[row] += rows_[row];
+  end_product();
+}
+
+/// What the displacements `x_` do: H x in `y_`, -J x in the rows of `product_`.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::begin_product() {
+  const auto p = std::span(product_).subspan(3 * std::size_t(cloth_.mesh.vertices.owned));
+  std::fill(p.begin(), p.end(), 0.0);
+  set_.subtract_difference(x_, p);
+  stiffness_->matrix().multiply(x_, y_);
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i) y_[i] = stiffness_->freedom().allowed(i, y_[i]);
+}
+
+/// Adds to `product_` what the multipliers of `direction_` do.
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::end_product() {
+  const auto n = std::size_t(cloth_.mesh.vertices.owned);
+  const auto d = std::span(direction_).subspan(3 * n), p = std::span(product_).subspan(3 * n);
   const auto a = set_.program_compliance();
-  for (std::size_t row = 0; row < rows_.size(); ++row) {
-    d[row] += rows_[row];
-    p[row] -= a[row] * d[row];
-  }
+  for (std::size_t row = 0; row < d.size(); ++row) p[row] -= a[row] * d[row];
   spread(d);
-  for (std::size_t i = 0; i < b.size(); ++i) b[i] += freedom.allowed(Local(i), y_[i]);
+  const auto b = as_vectors(product_);
+  for (std::size_t i = 0; i < n; ++i) b[i] += stiffness_->freedom().allowed(Local(i), y_[i]);
 }
 
 template class NewtonSolver<EdgeSet>;

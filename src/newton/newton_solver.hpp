@@ -1,5 +1,6 @@
 #pragma once
 #include "src/linear/gcr.hpp"
+#include "src/linear/saddle_point_factor.hpp"
 #include "src/newton/coarse_system.hpp"
 #include "src/state/cloth.hpp"
 
@@ -11,7 +12,8 @@ namespace taut {
 ///     [ J  -a  ] [ dmu ] = - [ c ],
 ///
 /// with the stiffness H of the step, that of tension included, and a set of constraints; by the generalised
-/// conjugate residual method (Gcr). Its preconditioner
+/// conjugate residual method (Gcr). It is preconditioned by the system's factor (`mumps`, SaddlePointFactor),
+/// which is nearly exact but where contacts press, or (`cg`) by what
 ///
 /// 1. solves the system on a coarse grid (CoarseSystem): displacements and tensions that reach far;
 /// 2. takes what is left for displacements through the finer grids (VertexMultigrid) with the tensions found;
@@ -26,7 +28,7 @@ template<ConstraintSetInNewton Set>
 class NewtonSolver {
 public:
   /// All must outlive the solver. Collective.
-  NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set);
+  NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set, SolverOptions::Kind kind);
 
   /// What of the equations may be left, or is.
   struct Goal {
@@ -58,17 +60,21 @@ private:
   double strain(std::span<const double> c) const;
   void find_metric();
   void find_direction();
+  void precondition();
+  void begin_product();
+  void end_product();
   void solve_rows();
   double dot(std::span<const double> a, std::span<const double> b) const;
   void project(std::span<Vec3> x);
-  void choose_multipliers(std::span<Vec3> b);
+  void choose_multipliers();
   void spread(std::span<const double> z);
 
   const Cloth& cloth_;
   Set& set_;
   std::vector<RowEdge> row_edges_;
   VertexMultigrid grids_;
-  CoarseSystem coarse_;
+  std::optional<CoarseSystem> coarse_;      ///< of these two one
+  std::optional<SaddlePointFactor> factor_; ///< of the system for (dx, -dmu)
   Gcr gcr_;
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;

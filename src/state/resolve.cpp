@@ -29,11 +29,23 @@ config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
                                            "triangles; quads and lines keep warp and weft "
                                            "by their edges: choose edges");
   if (constrain == config::Constrain::vertices && !cloth.mesh.triangles_only &&
-      input.inextensibility.solver == config::LinearSolver::mumps)
+      input.inextensibility.solver == config::LinearSolver::mumps &&
+      input.inextensibility.method != config::InextensibilityMethod::newton)
     throw InputError(input.file.string() +
                      ": inextensibility.solver: mumps has no matrix for triangles beside quads or lines; "
                      "choose cg, or constrain: edges");
   return constrain;
+}
+
+/// Grids do badly where triangles lie in no order, and the factor of a mesh of a few thousand vertices costs no
+/// more than they do (src/newton/README.md). Contacts it does not know.
+config::LinearSolver default_solver(const Case& input, const Cloth& cloth, config::Constrain constrain) {
+  constexpr Global most_vertices = 20000;
+  const bool factors = input.inextensibility.method == config::InextensibilityMethod::newton &&
+                       constrain == config::Constrain::vertices &&
+                       input.contact_model() == config::ContactModel::none &&
+                       cloth.mesh.vertices.total <= most_vertices;
+  return factors ? config::LinearSolver::mumps : config::LinearSolver::cg;
 }
 
 } // namespace
@@ -44,6 +56,7 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   result.weight = weight_of(cloth, input.gravity.largest());
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
+  if (!limits.solver) limits.solver = default_solver(input, cloth, *limits.constrain);
   if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd) {
     limits.compliance = default_compliance(limits.strain, result.weight);
     limits.may_bound_compliance = config::holds_limit(input);

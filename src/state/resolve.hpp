@@ -5,7 +5,8 @@ namespace taut {
 
 /// What a case leaves to the mesh, decided once.
 struct Resolved {
-  config::Inextensibility inextensibility; ///< `constrain` is given, and `compliance` but for xpbd
+  config::Inextensibility inextensibility; ///< `constrain` and `solver` are given, and `compliance` but
+                                           ///< for xpbd
   std::optional<double> strain_limit;      ///< of every accepted step; none if nothing keeps one
   std::optional<double> faces_limit;       ///< the same of single triangles
   double weight = 0;                       ///< of the cloth, N
