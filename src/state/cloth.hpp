@@ -13,6 +13,7 @@ struct Piece {
   Global vertices = 0, cells = 0; ///< how many, over all ranks
   bool triangles_only = false;    ///< no quad and no line in it
   garment::NamedParts parts{};    ///< names, of what is numbered within the piece
+  std::vector<std::string> warnings{}; ///< of its pattern, on rank 0
 };
 
 /// Two vertices, by original numbers, that an attachment of the case draws together.
