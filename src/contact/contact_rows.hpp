@@ -12,8 +12,9 @@ namespace taut {
 /// and for a contact that is pressed two of friction. Friction is Coulomb's, implicit: a row for each of two
 /// tangents asks for no slip over the step, with a multiplier of at most the coefficient times the normal
 /// one: first that of the iteration before (in the first iteration, of the step before), then that which the
-/// program finds (limit_friction). What programs leave beyond Coulomb's cone at the end is cut off
-/// (keep_in_cones), so that the law holds for every contact of every step.
+/// program finds (limit_friction), at last such that it stays within Coulomb's cone (stay_in_cones). What
+/// programs leave beyond that is cut off (keep_in_cones), so that the law holds for every contact of every
+/// step.
 ///
 /// Nothing is remembered here from step to step: what the last one pressed and carried is part of the state
 /// (`Multipliers::contacts`), in newtons, because the next step may be of another size. When a rank makes the
@@ -45,6 +46,10 @@ public:
 
   /// Bounds of the increments of friction by the normal forces that the increments `z` make. Not collective.
   void limit_friction(std::span<const double> z, std::span<double> lower, std::span<double> upper) const;
+
+  /// Bounds from what increments `z` make of forces, with which friction stays in Coulomb's cones however the
+  /// program ends. Not collective.
+  void stay_in_cones(std::span<const double> z, std::span<double> lower, std::span<double> upper) const;
 
   /// Shortens what increments `z` of the rows' multipliers make of friction to what Coulomb allows for what
   /// they make of normal forces. Not collective.

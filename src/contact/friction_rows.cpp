@@ -6,6 +6,7 @@
 #include <boost/container/static_vector.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 // Friction of ContactRows.
@@ -14,6 +15,18 @@ namespace taut {
 namespace {
 
 constexpr double slip_left = 0.03; ///< by a program, of what a free vertex falls in a step
+
+/// The sides, from the middle, of a box in a circle of this radius: as nearly a square as holds the place, or
+/// what the circle has nearest to it.
+std::array<double, 2> box_in_circle(double radius, std::array<double, 2> place) {
+  const double length = std::hypot(place[0], place[1]);
+  if (length > radius) place = {place[0] * (radius / length), place[1] * (radius / length)};
+  const int longer = place[1] > place[0] ? 1 : 0;
+  std::array<double, 2> sides;
+  sides[longer] = std::max(place[longer], std::sqrt(0.5) * radius);
+  sides[1 - longer] = std::sqrt(std::max(0.0, radius * radius - sides[longer] * sides[longer]));
+  return sides;
+}
 
 } // namespace
 
@@ -95,6 +108,29 @@ void ContactRows::limit_friction(std::span<const double> z, std::span<double> lo
     upper[row] = left - so_far;
     const double rubs = std::min(left, std::abs(so_far + z[row]));
     left = std::sqrt(most * most - rubs * rubs);
+  }
+}
+
+/// What presses a contact that may rub only grows.
+void ContactRows::stay_in_cones(std::span<const double> z, std::span<double> lower,
+                                std::span<double> upper) const {
+  for (std::size_t first = 0, last = 0; first < rows_.size(); first = last) {
+    const Local k = rows_[first].contact;
+    const ContactImpulse& before = records_[k]->impulse;
+    std::array<double, 2> so_far{}, rubs{}; // along the tangents
+    for (last = first + 1; last < rows_.size() && rows_[last].contact == k; ++last) {
+      const std::size_t i = last - first - 1;
+      so_far[i] = rows_[last].direction.dot(before.tangent);
+      rubs[i] = std::abs(so_far[i] + z[last]);
+    }
+    if (last == first + 1) continue;
+    lower[first] = std::max(lower[first], z[first]);
+    const auto bound = box_in_circle(contacts_[k].friction * std::max(0.0, before.normal + z[first]), rubs);
+    for (std::size_t row = first + 1; row < last; ++row) {
+      const std::size_t i = row - first - 1;
+      lower[row] = -bound[i] - so_far[i];
+      upper[row] = bound[i] - so_far[i];
+    }
   }
 }
 

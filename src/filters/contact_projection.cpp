@@ -18,10 +18,14 @@ namespace {
 /// left beyond the limit.
 constexpr QpEffort effort_far{20}, effort_near{40, 80, 0.8 / program_strain_left};
 
-/// Of the same program with friction bounded by the normal forces that it found. (Three such rounds save less
-/// than they cost. Cut off without any, friction leaves so much strain that an impact on cases/sphere takes
-/// three times the iterations; without what is too low in its bounds made good, patches slide too fast.)
+/// Of the same program with friction bounded by the normal forces that it found. (Cut off without any such
+/// round, friction leaves so much strain that an impact on cases/sphere takes three times the iterations;
+/// without what is too low in its bounds made good, patches slide too fast.)
 constexpr QpEffort effort_again{10};
+
+/// Near, of the same with friction cut off to Coulomb's cones before and kept in them: what a cut leaves of
+/// strain at the end, in a stack of layers two and a half limits, has to be projected anew.
+constexpr QpEffort effort_in_cones{5, 40, effort_near.good_enough};
 
 constexpr double far = 10.0;
 
@@ -179,11 +183,14 @@ std::string ContactProjection<Set>::project(FilterReport& report) {
   const double strain = set_.evaluate(target), limit = options_.limits.strain;
   if (!std::isfinite(strain)) return "the positions are no longer finite";
   ++report.iterations;
-  const QpEffort& effort = strain > far * limit ? effort_far : effort_near;
+  const bool is_far = strain > far * limit;
+  const QpEffort& effort = is_far ? effort_far : effort_near;
   report.linear_iterations +=
       qp_.solve(set_, rows_.contacts(), rows_.rows(), effort, std::exchange(guess_, QpGuess::zero)).products;
   const auto by_normals = [this](auto z, auto lower, auto upper) { rows_.limit_friction(z, lower, upper); };
   report.linear_iterations += qp_.solve_on(effort_again, by_normals).products;
+  const auto by_cones = [this](auto z, auto lower, auto upper) { rows_.stay_in_cones(z, lower, upper); };
+  if (!is_far) report.linear_iterations += qp_.solve_on(effort_in_cones, by_cones).products;
   rows_.keep_in_cones(qp_.row_part());
   const auto push = qp_.push();
   for (std::size_t i = 0; i < push.size(); ++i) target[i] += push[i];
