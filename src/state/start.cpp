@@ -114,8 +114,8 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
     if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
-    Piece& piece = all.pieces.emplace_back(
-        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, parts, warnings});
+    Piece& piece = all.pieces.emplace_back(Piece{cloth.material, vertices, cells, v.total, c.total,
+                                                 mesh.topology.triangles_only, parts, warnings});
     vertices += v.total;
     cells += c.total;
     auto& model = piece.material.bending_model;
