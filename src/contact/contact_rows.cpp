@@ -13,7 +13,7 @@ namespace taut {
 namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
-constexpr double close = 0.2;    ///< of the thickness, beyond it
+constexpr double close = 0.1;    ///< of the thickness, beyond it
 constexpr double trails = 0.1;   ///< of what a free vertex falls in the longest step: see anchor_reach_
 
 } // namespace
