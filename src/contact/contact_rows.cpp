@@ -271,8 +271,7 @@ ContactMemory ContactRows::memory() const {
   ContactMemory::sequence_type entries;
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     if (records_[k]->impulse.normal > 0) entries.emplace_back(contacts_[k].key, entry_of(*records_[k]));
-  std::sort(entries.begin(), entries.end(),
-            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   ContactMemory pressed;
   pressed.adopt_sequence(boost::container::ordered_unique_range, std::move(entries));
   return bring_home(scene_.cloth().mesh, pressed);

@@ -61,9 +61,9 @@ private:
   const Thickness& thickness_;
   Scene here_;
   std::vector<Vec3> field_;
-  std::vector<Approach> approaches_; ///< of the pairs
+  std::vector<Approach> approaches_;                  ///< of the pairs
   std::unordered_set<ContactKey, HashOfKey> blocked_; ///< pairs that stopped it
-  std::vector<Local> stuck_;         ///< pairs that stopped it last
+  std::vector<Local> stuck_;                          ///< pairs that stopped it last
 };
 
 } // namespace taut
