@@ -6,11 +6,6 @@ namespace taut {
 
 namespace {
 
-Closest with_offset(const Four& x, const std::array<double, 4>& w) {
-  const Vec3 offset = w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3];
-  return {w, offset, offset.norm()};
-}
-
 /// Barycentric coordinates of the point of the triangle (a, b, c) closest to p, by the Voronoi region p is
 /// in.
 Vec3 closest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -46,7 +41,8 @@ double clamped(double value) { return std::clamp(value, 0.0, 1.0); }
 
 Closest closest_vertex_face(const Four& x) {
   const Vec3 b = closest_in_triangle(x[0], x[1], x[2], x[3]);
-  return with_offset(x, {1.0, -b[0], -b[1], -b[2]});
+  const Vec3 offset = x[0] - b[0] * x[1] - b[1] * x[2] - b[2] * x[3];
+  return {{1.0, -b[0], -b[1], -b[2]}, offset, offset.norm()};
 }
 
 Closest closest_edge_edge(const Four& x) {
@@ -66,7 +62,8 @@ Closest closest_edge_edge(const Four& x) {
   } else if (e > 0) {
     t = clamped(f / e);
   }
-  return with_offset(x, {1 - s, s, t - 1, -t});
+  const Vec3 offset = r + s * d1 - t * d2;
+  return {{1 - s, s, t - 1, -t}, offset, offset.norm()};
 }
 
 } // namespace taut

@@ -13,7 +13,7 @@ namespace taut {
 namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
-constexpr double close = 0.2;    ///< of the thickness, beyond it
+constexpr double close = 0.1;    ///< of the thickness, beyond it
 constexpr double trails = 0.1;   ///< of what a free vertex falls in the longest step: see anchor_reach_
 
 } // namespace
@@ -100,6 +100,9 @@ void ContactRows::take(std::span<const ContactImpulse> impulses) {
 
 void ContactRows::find_contacts() {
   contacts_.clear();
+  records_.clear();
+  unknown_.clear();
+  ++round_;
   for (std::size_t k = 0; k < scene_.search.pairs().size(); ++k) {
     const Pair& pair = scene_.search.pairs()[k];
     const Approach& here = safe_.approach_of(k);
@@ -107,19 +110,7 @@ void ContactRows::find_contacts() {
     const bool is_round = pair.body >= 0 && scene_.obstacles().body(pair.body).is_round;
     if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, here);
   }
-  leave_each_once();
   count_ = sum_over(scene_.cloth().mesh.comm, Global(contacts_.size()));
-}
-
-/// Several pairs may have found the same contact.
-void ContactRows::leave_each_once() {
-  std::vector<std::pair<ContactKey, std::size_t>> order;
-  for (std::size_t k = 0; k < contacts_.size(); ++k) order.emplace_back(contacts_[k].key, k);
-  std::sort(order.begin(), order.end());
-  std::vector<Contact> once;
-  for (const auto& [key, k] : order)
-    if (once.empty() || once.back().key != key) once.push_back(contacts_[k]);
-  contacts_ = std::move(once);
 }
 
 /// The gap at other positions, as far as the features keep their direction.
@@ -140,20 +131,40 @@ double ContactRows::gap_wanted(const Pair& pair, const Approach& here) const {
 void ContactRows::add_contact(const Pair& pair, const Approach& here) {
   const std::span<const Global> keys = scene_.search.keys();
   const double gap = gap_along(pair, here, scene_.target_field());
-  const bool is_near = std::min(gap, here.gap) < thickness_.near(pair, keys);
-  if (!is_near && !safe_.was_stopped()) return;
+  const double nearest = std::min(gap, here.gap);
+  const bool is_near = nearest < thickness_.largest_near() && nearest < thickness_.near(pair, keys);
+  const bool has_stopped = safe_.was_stopped_by(pair);
+  if (!is_near && !has_stopped) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
       (pair.kind == PairKind::edge_edge && !inside) ||
       (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own()));
-  if ((!is_near || is_covered) && !safe_.was_stopped_by(pair)) return;
+  if (is_covered && !has_stopped) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved
   const double violation = gap_wanted(pair, here) - gap;
-  const bool is_close = violation > -close * thickness_.of(pair, keys) || safe_.was_stopped_by(pair);
-  contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key_of(pair, here, keys),
-                       friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
+  const bool is_close = violation > -close * thickness_.of(pair, keys) || has_stopped;
+  const Contact contact{pair.vertices,
+                        here.weights,
+                        here.normal,
+                        yields,
+                        violation,
+                        key_of(pair, here, keys),
+                        friction_of(pair, scene_.obstacles(), options_),
+                        pair.body,
+                        is_close};
+  if (is_first(contact)) contacts_.push_back(contact);
+}
+
+/// Several pairs may have found the same contact.
+bool ContactRows::is_first(const Contact& contact) {
+  const auto [known, is_new] = known_.try_emplace(contact.key);
+  ContactRecord& record = known->second; // stays where it is
+  if (is_new) unknown_.push_back(contact.key);
+  if (std::exchange(record.round, round_) == round_) return false;
+  records_.push_back(&record);
+  return true;
 }
 
 /// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
@@ -174,15 +185,12 @@ void ContactRows::add_corners(const Pair& pair, const Approach& here) {
 /// Fetches what the last step left of contacts that are the first time in this one, and lets them start from
 /// it.
 void ContactRows::recall() {
-  std::vector<ContactKey> keys;
-  records_.clear();
-  for (const Contact& contact : contacts_) {
-    const auto [record, is_new] = known_.try_emplace(contact.key);
-    records_.push_back(&record->second); // stays where it is
-    if (is_new) keys.push_back(contact.key);
+  for (const auto& [key, entry] : hand_out(scene_.cloth().mesh, at_home_, unknown_)) {
+    ContactRecord& record = known_.at(key);
+    record.impulse = entry.carried.scaled(dt_ * dt_);
+    record.before = entry.pressed;
+    record.drift = entry.drift;
   }
-  for (const auto& [key, entry] : hand_out(scene_.cloth().mesh, at_home_, keys))
-    known_[key] = {entry.carried.scaled(dt_ * dt_), entry.pressed, entry.drift};
 }
 
 /// Leaves the contacts that may press: in a stack of layers one in four. If a program brings another one too
@@ -260,11 +268,12 @@ void ContactRows::report_forces(Candidate& candidate) const {
 }
 
 ContactMemory ContactRows::memory() const {
-  ContactMemory pressed;
-  pressed.reserve(contacts_.size());
+  ContactMemory::sequence_type entries;
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    if (records_[k]->impulse.normal > 0)
-      pressed.emplace_hint(pressed.end(), contacts_[k].key, entry_of(*records_[k]));
+    if (records_[k]->impulse.normal > 0) entries.emplace_back(contacts_[k].key, entry_of(*records_[k]));
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  ContactMemory pressed;
+  pressed.adopt_sequence(boost::container::ordered_unique_range, std::move(entries));
   return bring_home(scene_.cloth().mesh, pressed);
 }
 

@@ -79,14 +79,15 @@ private:
     std::optional<ContactImpulse> before; ///< N, by the last step
     Vec3 drift = Vec3::Zero();            ///< m, at the start of the step
     Vec3 drifted = Vec3::Zero();          ///< m, at the target
+    int round = 0;                        ///< that found it last
   };
 
   double fall(double seconds) const;
   void find_contacts();
-  void leave_each_once();
   double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
   double gap_wanted(const Pair& pair, const Approach& here) const;
   void add_contact(const Pair& pair, const Approach& here);
+  bool is_first(const Contact& contact);
   void add_corners(const Pair& pair, const Approach& here);
   void recall();
   void drop_idle();
@@ -112,6 +113,8 @@ private:
   Global count_ = 0;
   std::vector<Contact> contacts_;
   std::vector<ContactRecord*> records_; ///< of the contacts, into `known_`
+  std::vector<ContactKey> unknown_;     ///< of the contacts: those that are there the first time in this step
+  int round_ = 0;                       ///< of looking for contacts
   std::vector<ContactRow> rows_;
   ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
   std::unordered_map<ContactKey, ContactRecord, HashOfKey> known_; ///< in this step

@@ -39,14 +39,12 @@ double SafeIterate::safe_fraction_to_target() {
   scene_.gather_target();
   stuck_.clear();
   const ContactSearch& search = scene_.search;
+  std::vector<Vec3> way(search.size());
+  for (std::size_t i = 0; i < way.size(); ++i) way[i] = scene_.target_field()[i] - field_[i];
   double alpha = is_finite(scene_.target) ? 1 : 0;
   for (std::size_t k = 0; k < search.pairs().size(); ++k) {
     const Pair& pair = search.pairs()[k];
-    const Four x = at(pair, field_);
-    Four u = at(pair, scene_.target_field());
-    for (int i = 0; i < 4; ++i) u[i] -= x[i];
-    const double gap = approaches_[k].gap;
-    const double part = safe_fraction(pair, x, u, floor_of(gap, thickness_.of(pair, search.keys())));
+    const double part = safe_fraction_of(pair, approaches_[k], at(pair, way));
     if (part < 1) {
       blocked_.insert(name_of(pair, search.keys()));
       stuck_.push_back(Local(k));
@@ -54,6 +52,14 @@ double SafeIterate::safe_fraction_to_target() {
     alpha = std::min(alpha, part);
   }
   return -max_over(scene_.cloth().mesh.comm, -alpha);
+}
+
+/// Most pairs have room enough along the direction between them, whatever their thickness.
+double SafeIterate::safe_fraction_of(const Pair& pair, const Approach& here, const Four& way) const {
+  const double speed = closing_speed(pair, way, here.normal), most = thickness_.largest();
+  if (here.gap > 0.25 * most && here.gap - floor_of(here.gap, most) >= speed) return 1;
+  const double thickness = thickness_.of(pair, scene_.search.keys());
+  return safe_fraction(pair, at(pair, field_), way, floor_of(here.gap, thickness));
 }
 
 /// A gap shrinks by no more than its features close along the direction between them.

@@ -3,7 +3,7 @@
 #include "src/contact/rows.hpp"
 #include "src/contact/thickness.hpp"
 
-#include <set>
+#include <unordered_set>
 
 namespace taut {
 
@@ -55,13 +55,15 @@ public:
   }
 
 private:
+  double safe_fraction_of(const Pair& pair, const Approach& here, const Four& way) const;
+
   ContactScene& scene_;
   const Thickness& thickness_;
   Scene here_;
   std::vector<Vec3> field_;
-  std::vector<Approach> approaches_; ///< of the pairs
-  std::set<ContactKey> blocked_;     ///< pairs that stopped it
-  std::vector<Local> stuck_;         ///< pairs that stopped it last
+  std::vector<Approach> approaches_;                  ///< of the pairs
+  std::unordered_set<ContactKey, HashOfKey> blocked_; ///< pairs that stopped it
+  std::vector<Local> stuck_;                          ///< pairs that stopped it last
 };
 
 } // namespace taut
