@@ -10,6 +10,7 @@ endforeach()
 set_target_properties(taut_projection PROPERTIES LINKER_LANGUAGE CXX EXPORT_NAME projection)
 target_link_libraries(taut_projection PUBLIC taut_common PRIVATE PkgConfig::PETSC ${METIS_LIBRARY} ${PTSCOTCH_LIBRARIES})
 add_library(taut::projection ALIAS taut_projection)
+add_dependencies(taut taut_projection) # so that who built the program can install
 
 set_target_properties(taut_common PROPERTIES EXPORT_NAME common)
 install(TARGETS taut RUNTIME)

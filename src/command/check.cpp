@@ -1,4 +1,5 @@
 #include "src/command/command.hpp"
+#include "src/command/sewing.hpp"
 #include "src/command/start_contact.hpp"
 #include "src/command/warnings.hpp"
 #include "src/time/simulation.hpp"
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
 
 namespace taut::command {
 
@@ -23,14 +25,17 @@ int check(MPI_Comm comm, const CheckOptions& options) {
   const Case input = load_case(comm, source);
   Simulation simulation(comm, input);
   warn_of_start(simulation, input);
+  std::optional<Simulation> sewing;
+  if (input.sewing) sewing.emplace(comm, case_of(SewingStage::sewing, ready_to_sew(comm, input), {}));
+  Simulation& first = sewing ? *sewing : simulation;
   if (options.depth == CheckDepth::thorough || is_quick(input)) {
-    if (!clear_start(simulation, input, std::filesystem::path("out") / (input.name + ".findings.vtp")))
+    if (!clear_start(first, input, std::filesystem::path("out") / (input.name + ".findings.vtp")))
       return step_failure;
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: whether the start can be untangled is tried with --thorough\n", source.file.string());
   }
-  simulation.trial_step();
-  try_petsc_options(simulation, input, source.petsc);
+  first.trial_step();
+  try_petsc_options(first, input, source.petsc);
   const DistributedMesh& mesh = simulation.cloth().mesh;
   if (rank_of(comm) == 0)
     fmt::print(

@@ -4,6 +4,7 @@
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
 #include "src/command/start_contact.hpp"
+#include "src/command/warnings.hpp"
 #include "src/config/cloths.hpp"
 #include "src/garment/load_garment.hpp"
 #include "src/garment/write_mesh.hpp"
@@ -199,23 +200,6 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
   return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
 }
 
-/// With all that a case leaves open, and every garment where its seams pass the bodies.
-Case prepared(MPI_Comm comm, Case input) {
-  fill_in(input);
-  const Simulation simulation(comm, sewing_case(input));
-  check_place(input, simulation);
-  const std::vector<double> lifts = lifts_of(simulation);
-  for (std::size_t k = 0; k < lifts.size(); ++k) {
-    if (lifts[k] == 0) continue;
-    input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
-    if (rank_of(comm) == 0)
-      fmt::print("{}: {} starts {:.3g} cm {}, where its seams pass the bodies\n", input.name,
-                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]),
-                 lifts[k] > 0 ? "higher" : "lower");
-  }
-  return input;
-}
-
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
@@ -234,6 +218,22 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 }
 
 } // namespace
+
+Case ready_to_sew(MPI_Comm comm, Case input) {
+  fill_in(input);
+  const Simulation simulation(comm, sewing_case(input));
+  check_place(input, simulation);
+  const std::vector<double> lifts = lifts_of(simulation);
+  for (std::size_t k = 0; k < lifts.size(); ++k) {
+    if (lifts[k] == 0) continue;
+    input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
+    if (rank_of(comm) == 0)
+      fmt::print("{}: {} starts {:.3g} cm {}, where its seams pass the bodies\n", input.name,
+                 config::name_of_cloth(input, k), 100 * std::abs(lifts[k]),
+                 lifts[k] > 0 ? "higher" : "lower");
+  }
+  return input;
+}
 
 fs::path garment_file(const Case& input, std::size_t k, const fs::path& folder, const std::string& stem) {
   const std::string name = input.cloths.size() == 1 ? stem : fmt::format("{}_{}", stem, k);
@@ -255,7 +255,8 @@ bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, c
 
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
-  const Case input = prepared(comm, given);
+  warn_of_start(Simulation(comm, given), given); // what is wrong with the last stage is told before the first
+  const Case input = ready_to_sew(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
   try_petsc_options(simulation, input, options.source.petsc);

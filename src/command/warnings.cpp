@@ -15,6 +15,11 @@ namespace {
 
 using Warnings = std::vector<std::string>;
 
+void add_patterns(const Simulation& simulation, const Case&, Warnings& warnings) {
+  for (const Piece& piece : simulation.cloth().pieces)
+    warnings.insert(warnings.end(), piece.warnings.begin(), piece.warnings.end());
+}
+
 void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) {
   const config::Inextensibility& limits = simulation.inextensibility();
   const auto& pieces = simulation.cloth().pieces;
@@ -87,8 +92,10 @@ bool is_inside(const Obstacles& obstacles, int body, const Vec3& point) {
   return inside;
 }
 
-/// Where the start does not intersect, a cloth is inside if one of its vertices is.
+/// Where the start does not intersect, a cloth is inside if one of its vertices is. Panels may be, in a body
+/// that begins slim.
 void add_inside(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  if (input.sewing) return;
   const Cloth& cloth = simulation.cloth();
   const Obstacles& obstacles = simulation.obstacles();
   for (int body = 0; body < obstacles.bodies(); ++body) {
@@ -113,7 +120,7 @@ void add_inside(const Simulation& simulation, const Case& input, Warnings& warni
 
 void warn_of_start(const Simulation& simulation, const Case& input) {
   Warnings warnings;
-  for (const auto add : {add_locking, add_scale, add_density, add_pins, add_inside})
+  for (const auto add : {add_patterns, add_locking, add_scale, add_density, add_pins, add_inside})
     add(simulation, input, warnings);
   if (rank_of(simulation.cloth().mesh.comm) != 0) return;
   for (const std::string& words : warnings)

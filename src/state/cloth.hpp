@@ -10,9 +10,10 @@ struct Piece {
   config::Material material;
   Global first_vertex = 0; ///< its vertices and cells follow those of the piece before
   Global first_cell = 0;
-  Global vertices = 0, cells = 0; ///< how many, over all ranks
-  bool triangles_only = false;    ///< no quad and no line in it
-  garment::NamedParts parts{};    ///< names, of what is numbered within the piece
+  Global vertices = 0, cells = 0;      ///< how many, over all ranks
+  bool triangles_only = false;         ///< no quad and no line in it
+  garment::NamedParts parts{};         ///< names, of what is numbered within the piece
+  std::vector<std::string> warnings{}; ///< of its pattern, on rank 0
 };
 
 /// Two vertices, by original numbers, that an attachment of the case draws together.

@@ -30,6 +30,7 @@ config::UpAxis up_of(const config::Cloth& cloth) {
 struct NamedMesh {
   MeshSlab slab;
   garment::NamedParts parts;
+  std::vector<std::string> warnings{}; ///< on rank 0
 };
 
 /// Of a garment that is not to be sewn: what is elastic is so from the start.
@@ -47,11 +48,9 @@ NamedMesh load_pattern(MPI_Comm comm, const Case& input, std::size_t k) {
     const auto shorter = garment::shorter_sides(garment.mesh, input, k);
     if (!shorter.empty()) rest_shape = rest_shape_of(garment, shorter);
   });
-  for (const std::string& warning : garment.mesh.warnings) // rank 0 has them
-    fmt::print(stderr, "taut: warning: {}\n", warning);
   const auto joints = input.sewing ? garment::Joints::of_seams : garment::Joints::none;
   NamedMesh named{garment::share_out(comm, garment, joints),
-                  garment::share(comm, garment::parts_of(garment.mesh))};
+                  garment::share(comm, garment::parts_of(garment.mesh)), garment.mesh.warnings};
   if (!input.sewing && !cloth.elastic.empty())
     named.slab.rest_shape = scatter_slabs(comm, rest_shape, named.slab.cells);
   return named;
@@ -110,13 +109,13 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   Global vertices = 0, cells = 0;
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
     const config::Cloth& cloth = input.cloths[k];
-    auto [slab, parts] = load_mesh(comm, input, k);
+    auto [slab, parts, warnings] = load_mesh(comm, input, k);
     ListedMesh& mesh = meshes.emplace_back(ListedMesh{std::move(slab), {}});
     if (cloth.rest == config::RestShape::texture) rest_in_texture(comm, cloth.texture_unit, mesh.slab);
     mesh.topology = find_topology(comm, mesh.slab, constrained_edges(input));
     const Slab &v = mesh.slab.vertices, &c = mesh.slab.cells;
-    Piece& piece = all.pieces.emplace_back(
-        Piece{cloth.material, vertices, cells, v.total, c.total, mesh.topology.triangles_only, parts});
+    Piece& piece = all.pieces.emplace_back(Piece{cloth.material, vertices, cells, v.total, c.total,
+                                                 mesh.topology.triangles_only, parts, warnings});
     vertices += v.total;
     cells += c.total;
     auto& model = piece.material.bending_model;

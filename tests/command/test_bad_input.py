@@ -14,6 +14,8 @@ from running import Job, Temporary
 from taut import Run, launch
 
 LIMIT = 5  # s
+# mpirun waits for one to two seconds before it ends the ranks of a job that failed, though all have ended.
+launch.ENVIRONMENT["OMPI_MCA_odls_base_sigkill_timeout"] = "0"
 RANKS = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 
 CASE = """\
@@ -68,6 +70,13 @@ def pinned(name, pins, message):
 
 def option(name, options, message):
     return Mistake(name, message, options=tuple(options.split()))
+
+
+def sewn(name, line, message, place=0):
+    """A garment around a post."""
+    post = f"capsule: {{from: [{place}, 0, -0.3], to: [{place}, 0, 0.5], radius: 5 cm}}"
+    return Mistake(name, message, f"cloth: {{pattern: p.yaml, edge: 5 cm}}\nobstacles: [{{name: post, {post}}}]\n"
+                   f"sewing: {{}}\n{line}\n", files={"p.yaml": LABELLED})
 
 
 def command(name, arguments, message):
@@ -322,6 +331,11 @@ MISTAKES = [
             arguments=("mesh", "pattern.yaml", "--edge", "20cm", "--svg", "result.svg")),
     Mistake("pattern_without_edge", "taut: case.yaml:1:8: cloth.edge: is missing; a pattern needs the length of the "
             "edges of its mesh, e.g. 5 mm", "cloth: {pattern: pattern.yaml}\n"),
+    sewn("attachment_after_sewing", "attachments: [{label: hole, obstacle: 0}]",
+         "taut: case.yaml: attachments.0.label: no edge and no panel has the label 'hole'; there are waists"),
+    sewn("body_elsewhere", "", "taut: case.yaml: cloth and obstacles are 4.85 m apart, and nothing is to be dressed: "
+         "the cloth is at x 0 to 0.1, y 0 to 0, z 0 to 0.1 m, z being up; correct units (scale), the axis that points "
+         "up in the files (up), or places", place=5),
     Mistake("elastic_label", "taut: case.yaml: cloth.elastic.0.label: no edge and no panel has the label 'waist' (did "
             "you mean 'waists'?); there are waists", "cloth: {pattern: p.yaml, edge: 5 cm, elastic: [{label: waist, "
             "length: 70 %}]}\n", files={"p.yaml": LABELLED}),

@@ -263,6 +263,34 @@ TEST(Cylinder, WarpAndWeftBendByTheirOwnStiffness) {
     }
 }
 
+// Along a seam a fold by theta stores S/2 theta^2 a metre of it and metre of cloth around it, and the cloth's
+// own B where S is less, or where there is no seam.
+TEST(Seam, BendsWithItsOwnStiffnessWhereThatIsLarger) {
+  constexpr double theta = 1e-3, b = 0.7;
+  Bed bed(serial([](MPI_Comm comm) { return square_grid(comm, 4, GridCells::quads); }));
+  bed.cloth.pieces[0].material.bending = b;
+  bed.cloth.pieces[0].parts.seams = {{"a.1-b.3", {2, 7, 12, 17, 22}}}; // x = 2
+  const auto energy = [&](int which, double seam, double fold) {
+    Folds all = folds_of(bed.cloth, Rigidity{b, b, b});
+    stiffen_seams(bed.cloth, seam, all);
+    WholeState state = random_state(bed, 0);
+    for (Local i = 0; i < bed.cloth.mesh.vertices.owned; ++i) {
+      const Vec3& x = bed.cloth.mesh.rest_positions[i];
+      const double turned = std::max(x[0] - fold, 0.0);
+      state.positions[bed.cloth.mesh.vertices.original[i]] =
+          Vec3(std::min(x[0], fold) + std::cos(theta) * turned, x[1], std::sin(theta) * turned);
+    }
+    if (which == 0) return IsometricBending(bed.cloth, bed.pattern, all, 0.0).energy(bed.at(state));
+    return AngleBending(bed.cloth, all, RestAngle::flat, 0.0).energy(bed.at(state));
+  };
+  const double of_one = 4 * 0.5 * theta * theta; // four sides of 1 m, each between squares of 1 m
+  for (const int which : {0, 1}) {
+    EXPECT_NEAR(energy(which, 10 * b, 2) / of_one, 10 * b, 1e-5);
+    EXPECT_NEAR(energy(which, 0.1 * b, 2) / of_one, b, 1e-6);
+    EXPECT_NEAR(energy(which, 10 * b, 1) / of_one, b, 1e-6);
+  }
+}
+
 // A plate: what is twisted by s has the energy T s^2 per area, what is bent along warp or weft none, and at
 // rest a trapezium has none either, however it lies.
 TEST(TwistOfAQuad, IsThatOfAPlate) {
