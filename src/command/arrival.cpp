@@ -46,7 +46,7 @@ Outcome judge_seams(const Case& input, const Simulation& simulation) {
           fmt::format(
               "seam {} is still open by {:.3g} mm between vertices {} and {} after sewing.limit, {:g} s; "
               "give it more sewing.force, {:g} N/m, or more time, or place the panels nearer to where "
-              "they belong",
+              "they belong, or let pins slide that hold it apart (pins[].plane)",
               name, 1000 * open.distance, open.joint, open.vertex, input.sewing->limit, input.sewing->force)};
 }
 

@@ -54,6 +54,17 @@ public:
     }
   }
 
+  /// What `write` writes, in words.
+  std::string files() const {
+    const std::string to = options_.to.string();
+    if (options_.to.extension() == ".pc2")
+      return fmt::format("{} and {}", to, fs::path(options_.to).replace_extension(".obj").string());
+    const auto frames = wanted();
+    return frames.size() == 1 ? named_after(frames[0]).string()
+                              : fmt::format("{} to {}", named_after(frames.front()).string(),
+                                            named_after(frames.back()).string());
+  }
+
 private:
   /// On rank 0, for all.
   void find_frames() {
@@ -146,9 +157,10 @@ private:
 } // namespace
 
 int export_frames(MPI_Comm comm, const ExportOptions& options) {
-  Exporter(comm, options).write();
+  Exporter exporter(comm, options);
+  exporter.write();
   if (rank_of(comm) == 0)
-    fmt::print("{}: written, {} up, in {}\n", options.to.string(), options.up, options.unit);
+    fmt::print("{}: written, {} up, in {}\n", exporter.files(), options.up, options.unit);
   return success;
 }
 

@@ -5,7 +5,9 @@ Each mistake ends the program within LIMIT seconds with exit code 2; the message
 ranks there are, and no file is made, changed or removed.
 """
 import os
+import re
 import sys
+import tempfile
 import unittest
 from typing import NamedTuple
 from unittest import mock
@@ -14,8 +16,12 @@ from running import Job, Temporary
 from taut import Run, launch
 
 LIMIT = 5  # s
-# mpirun waits for one to two seconds before it ends the ranks of a job that failed, though all have ended.
-launch.ENVIRONMENT["OMPI_MCA_odls_base_sigkill_timeout"] = "0"
+SESSIONS = tempfile.TemporaryDirectory()
+# Programs are started a hundred times, and Open MPI would wait each time: one to two seconds before it ends the ranks
+# of a job that failed, though all have ended; and for a daemon beside a single rank. Without that, single ranks share
+# a folder with all others on the machine.
+launch.ENVIRONMENT |= {"OMPI_MCA_odls_base_sigkill_timeout": "0", "OMPI_MCA_ess_singleton_isolated": "1",
+                       "OMPI_MCA_orte_tmpdir_base": SESSIONS.name}
 RANKS = int(sys.argv[1]) if len(sys.argv) > 1 else 1
 
 CASE = """\
@@ -562,7 +568,13 @@ class Failure(Folder):
         self.assertFalse((self.folder / "result").exists())
 
 
-for m in MISTAKES:
+def to_be_tried():
+    """All; on several ranks only every fourth of those that the text of the case tells, for all ranks read it alike."""
+    of_text = [m for m in MISTAKES if re.match(r"taut: (case\.yaml:\d|--set )", m.message)]
+    return [m for m in MISTAKES if RANKS == 1 or m not in of_text or of_text.index(m) % 4 == 0]
+
+
+for m in to_be_tried():
     setattr(Refused, f"test_{m.name}", lambda self, mistake=m: self.check(mistake))
 
 if __name__ == "__main__":
