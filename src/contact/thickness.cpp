@@ -60,10 +60,10 @@ Thickness::Thickness(const Cloth& cloth, const Case& input) : cloth_(cloth) {
 }
 
 double Thickness::near(const Pair& pair, std::span<const Global> keys) const {
-  const double twice = near_thicknesses * of(pair, keys);
-  if (pair.body >= 0) return twice;
+  const double most = near_thicknesses * of(pair, keys);
+  if (pair.body >= 0) return most;
   const std::size_t piece = cloth_.piece_of_original(keys[pair.vertices[0]]);
-  return piece == cloth_.piece_of_original(keys[pair.vertices[3]]) ? own_near_[piece] : twice;
+  return piece == cloth_.piece_of_original(keys[pair.vertices[3]]) ? own_near_[piece] : most;
 }
 
 double Thickness::of_features(Global first, Global second) const {

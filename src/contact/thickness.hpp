@@ -20,13 +20,13 @@ public:
     return of_piece_.size() == 1 ? largest_ : of_features(keys[pair.vertices[0]], keys[pair.vertices[3]]);
   }
 
-  /// m, what comes nearer counts as in contact: twice the thickness, but of one piece less than its features
-  /// are from each other when it is flat.
+  /// m, what comes nearer counts as in contact: one and a half times the thickness, but of one piece less
+  /// than its features are from each other when it is flat.
   double near(const Pair& pair, std::span<const Global> keys) const;
   double largest_near() const { return near_thicknesses * largest_; } ///< m, of all pairs
 
 private:
-  static constexpr double near_thicknesses = 2.0;
+  static constexpr double near_thicknesses = 1.5;
 
   double of_features(Global first, Global second) const;
 
