@@ -44,8 +44,8 @@ SaddlePointFactor::Matrix::Matrix(const DistributedMesh& m, const Pattern& p, st
                                   std::size_t n)
     : mesh(m), pattern(p), entries(e.begin(), e.end()), rows(n), vertex_place(m.vertices.size()),
       blocks(p.entries()),
-      solver(m.comm, "kkt",
-             {.kind = SolverOptions::Kind::mumps, .matrix = SolverOptions::Matrix::indefinite}, PCNONE) {
+      solver(m.comm, "kkt", {.kind = SolverOptions::Kind::mumps, .matrix = SolverOptions::Matrix::indefinite},
+             PCNONE) {
   number();
   check(MatCreate(mesh.comm, matrix.address()));
   check(MatSetOptionsPrefix(matrix, "kkt_"));

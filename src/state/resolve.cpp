@@ -37,8 +37,8 @@ config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
   return constrain;
 }
 
-/// Grids do badly where triangles lie in no order, and the factor of a mesh of a few thousand vertices costs no
-/// more than they do (src/newton/README.md). Contacts it does not know.
+/// Grids do badly where triangles lie in no order, and the factor of a mesh of a few thousand vertices costs
+/// no more than they do (src/newton/README.md). Contacts it does not know.
 config::LinearSolver default_solver(const Case& input, const Cloth& cloth, config::Constrain constrain) {
   constexpr Global most_vertices = 20000;
   const bool factors = input.inextensibility.method == config::InextensibilityMethod::newton &&

@@ -29,7 +29,8 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       gravity_(input.gravity.largest() > 0 ? input.gravity.largest() : 1.0),
       longest_step_(input.time.max_step), integrator_(input.time.integrator),
       assembly_(parts.cloth, parts.pattern, parts.forces, input.time.integrator),
-      set_(parts.cloth, options_, ConstraintUse::in_newton), solver_(parts.cloth, parts.pattern, set_, solver_options(options_).kind),
+      set_(parts.cloth, options_, ConstraintUse::in_newton),
+      solver_(parts.cloth, parts.pattern, set_, solver_options(options_).kind),
       contact_(input.contact_model() == config::ContactModel::constraint
                    ? make_contact_projection<Set>(parts, input)
                    : nullptr),
