@@ -37,7 +37,7 @@ void set_local_numbers(Mat matrix, const DistributedMesh& mesh) {
 } // namespace
 
 AssembledMatrix::AssembledMatrix(const DistributedMesh& mesh, const Pattern& pattern)
-    : mesh_(mesh), pattern_(pattern), blocks_(pattern.entries()) {
+    : pattern_(pattern), blocks_(pattern.entries()) {
   const PetscInt rows = 3 * mesh.vertices.owned;
   check(MatCreate(mesh.comm, matrix_.address()));
   check(MatSetOptionsPrefix(matrix_, "velocity_"));

@@ -18,7 +18,6 @@ public:
   operator Mat() const { return matrix_; }
 
 private:
-  const DistributedMesh& mesh_;
   const Pattern& pattern_;
   std::vector<Mat3> blocks_; ///< in the pattern's order
   OwnedMat matrix_;

@@ -231,7 +231,7 @@ TEST(ContactProjection, FallsAlikeAtAnyNumberOfRanksUntilItTouches) {
     Case input = case_of(heap);
     input.time.end = 0.1;
     input.cloths[0].start.translate[2] += 0.05;
-    input.velocity.solver = input.inextensibility.solver = config::LinearSolver::mumps;
+    input.inextensibility.solver = input.velocity.solver = config::LinearSolver::mumps;
     Simulation simulation(comm, input);
     Recorder record(simulation);
     run_to_the_end(simulation, record);
