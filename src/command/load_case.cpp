@@ -37,8 +37,9 @@ void try_petsc_options(Simulation& simulation, const Case& input, std::span<cons
   if (unused.empty()) return;
   if (input.inextensibility.method == config::InextensibilityMethod::newton)
     throw InputError(
-        fmt::format("PETSc option {}: method newton has no linear solver of PETSc; remove it, or choose "
-                    "inextensibility.method: fast_projection",
+        fmt::format("PETSc option {}: method newton has no linear solver of PETSc but that of "
+                    "inextensibility.solver: mumps (-kkt_); remove it, or choose inextensibility.method: "
+                    "fast_projection",
                     unused));
   throw InputError(fmt::format(
       "PETSc option {}: no solver of this case knows it; options start with -velocity_ or "
