@@ -1,8 +1,7 @@
 #include "src/linear/kkt_direct.hpp"
 
 #include "src/linear/kkt_schur.hpp"
-
-#include <limits>
+#include "src/linear/symmetric_matrix.hpp"
 
 namespace taut {
 
@@ -29,34 +28,23 @@ void visit(const DistributedMesh& mesh, Vertex&& vertex, End&& end, Edge&& edge)
 KktSystem::Direct::Direct(const DistributedMesh& mesh, const SolverOptions& options)
     : mesh_(mesh), vertex_row_(mesh.vertices.size()), edge_row_(mesh.edges.size()),
       solver_(mesh.comm, "kkt", indefinite(options), PCNONE) {
-  if (3 * mesh.vertices.total + mesh.edges.total > std::numeric_limits<PetscInt>::max())
-    throw std::runtime_error(
-        "the mesh has more unknowns than this PETSc can number: use one with 64-bit indices");
+  const Global rows = 3 * Global(mesh.vertices.owned) + mesh.edges.owned;
+  check_unknowns(mesh.comm, rows);
   for (Local i = 0; i < mesh.vertices.owned; ++i)
     vertex_row_[i] = PetscInt(3 * mesh.vertices.global(i) + mesh.edges.first);
   for (Local e = 0; e < mesh.edges.owned; ++e)
     edge_row_[e] = PetscInt(3 * (mesh.vertices.first + mesh.vertices.owned) + mesh.edges.global(e));
   mesh.vertex_halo.update(vertex_row_);
   mesh.edge_halo.update(edge_row_);
-  const PetscInt rows = 3 * mesh.vertices.owned + mesh.edges.owned;
-  check(MatCreate(mesh.comm, matrix_.address()));
-  check(MatSetOptionsPrefix(matrix_, "kkt_"));
-  check(MatSetSizes(matrix_, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetType(matrix_, MATAIJ));
-  fix_pattern();
-  check(MatSetOption(matrix_, MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatSetOption(matrix_, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  fix_pattern(PetscInt(rows));
   check(MatCreateVecs(matrix_, solution_.address(), rhs_.address()));
   check(KSPSetOperators(solver_, matrix_, matrix_));
   solver_.leave_room_for_pivots();
 }
 
-void KktSystem::Direct::fix_pattern() {
-  std::vector<PetscInt> rows, columns;
-  const auto add = [&](PetscInt row, PetscInt column) {
-    rows.push_back(row);
-    columns.push_back(column);
-  };
+void KktSystem::Direct::fix_pattern(PetscInt rows) {
+  EntryPlaces places;
+  const auto add = [&](PetscInt row, PetscInt column) { places.add(row, column); };
   visit(
       mesh_,
       [&](Local i) {
@@ -71,8 +59,8 @@ void KktSystem::Direct::fix_pattern() {
         for (const Local v : mesh_.edge_vertices[e])
           for (int k = 0; k < 3; ++k) add(edge_row_[e], vertex_row_[v] + k);
       });
-  values_.reserve(rows.size());
-  check(MatSetPreallocationCOO(matrix_, PetscCount(rows.size()), rows.data(), columns.data()));
+  values_.reserve(places.rows.size());
+  matrix_ = make_symmetric_matrix(mesh_.comm, "kkt_", rows, std::move(places));
 }
 
 void KktSystem::Direct::assemble(const Terms& t) {

@@ -14,7 +14,7 @@ struct KktSystem::Direct {
                     std::vector<Vec3>& dx, std::vector<double>& dmu);
 
 private:
-  void fix_pattern();
+  void fix_pattern(PetscInt rows);
 
   const DistributedMesh& mesh_;
   std::vector<PetscInt> vertex_row_, edge_row_; ///< first row of local vertices, row of local edges

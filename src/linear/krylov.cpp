@@ -89,8 +89,6 @@ SolveReport LinearSolver::solve(Vec rhs, Vec solution, double tolerance) {
   return report;
 }
 
-/// What calls itself converged may not have looked: preonly never does, nor does a test that options turn
-/// off.
 void LinearSolver::leave_room_for_pivots() {
   constexpr PetscInt memory_relaxation = 14, percent = 300; // so many more
   PC pc = nullptr;
@@ -101,6 +99,8 @@ void LinearSolver::leave_room_for_pivots() {
   check(MatMumpsSetIcntl(factor, memory_relaxation, percent));
 }
 
+/// What calls itself converged may not have looked: preonly never does, nor does a test that options turn
+/// off.
 void LinearSolver::verify(Vec rhs, Vec solution) {
   double whole = 0, left = 0;
   check(VecNorm(rhs, NORM_2, &whole));

@@ -9,21 +9,21 @@ namespace taut {
 
 /// The factor of the saddle-point system of Newton's method on the whole step,
 ///
-///     [ H  J^T ] [ x ]   [ r ]
-///     [ J  -a  ] [ m ] = [ c ],
+///     [  H  -J^T ] [ x ]   [ r ]
+///     [ -J  -a   ] [ m ] = [ c ],
 ///
 /// by MUMPS (L D L^T), for any matrix H between vertices and any rows that are made of edges (RowEdge). Terms
-/// of H between vertices that are no neighbours, those of contacts, are left out. Rows that depend on each
-/// other are told apart by a little more compliance than they have, so the factor is nearly exact: a
-/// preconditioner for a method that looks at what is left. Its PETSc prefix is `-kkt_`.
+/// of H between vertices that are no neighbours, those of contacts, are left out. Its PETSc prefix is
+/// `-kkt_`.
 class SaddlePointFactor {
 public:
-  /// `entries` are all of J, of `rows` owned rows. `mesh` and `pattern` must outlive the factor. Collective.
+  /// `entries` are all of J, of `rows` owned rows. All must outlive the factor. Collective.
   SaddlePointFactor(const DistributedMesh& mesh, const Pattern& pattern, std::span<const RowEdge> entries,
                     std::size_t rows);
   ~SaddlePointFactor();
 
-  /// Takes the matrix, the gradients of local edges and a of owned rows. Collective.
+  /// Takes the matrix, the gradients of local edges and a of owned rows, above 0 where they depend on each
+  /// other. Collective.
   void factor(const FilteredOperator& stiffness, std::span<const Vec3> gradients,
               std::span<const double> compliance);
 

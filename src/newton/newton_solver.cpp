@@ -13,17 +13,13 @@ namespace {
 
 constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
+constexpr double told_apart = 1e-8;  // of what rows yield, far below what a step asks for
 constexpr double part_of_way = 1e-3; // of what starts from rest; less is lost in what turns
 
 double total_mass(const Cloth& cloth) {
   double sum = 0;
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) sum += cloth.mass[i];
   return sum_over(cloth.mesh.comm, sum);
-}
-
-std::vector<RowEdge> negated(std::vector<RowEdge> entries) {
-  for (RowEdge& e : entries) e.factor = -e.factor;
-  return entries;
 }
 
 } // namespace
@@ -38,7 +34,7 @@ NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set&
       metric_(cloth.mesh.vertices.size()), tolerance_(set.rows()),
       rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {
   if (kind == SolverOptions::Kind::mumps)
-    factor_.emplace(cloth.mesh, pattern, negated(row_edges_), set.rows());
+    factor_.emplace(cloth.mesh, pattern, row_edges_, set.rows());
   else
     coarse_.emplace(cloth.mesh, grids_, row_edges_, set.row_places());
 }
@@ -49,7 +45,7 @@ void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   find_metric();
   grids_.set(stiffness);
   set_.program_tolerance(1.0, tolerance_);
-  if (factor_) return factor_->factor(stiffness, set_.gradients(), set_.program_compliance());
+  if (factor_) return factor_->factor(stiffness, set_.gradients(), told_apart_compliance());
   set_.factor(metric_);
   coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
 }
@@ -125,6 +121,15 @@ double NewtonSolver<Set>::allowed_movement(const Goal& goal) {
     sum += cloth_.mass[i] * (goal.moved[i] + x[i]).squaredNorm();
   const double way = std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_);
   return std::clamp(part_of_way * way, goal.least, goal.most);
+}
+
+/// a, and a little of what rows yield: those that depend on each other have no factor without. As
+/// `find_metric` left what they yield; the result is in `rows_`.
+template<ConstraintSetInNewton Set>
+std::span<const double> NewtonSolver<Set>::told_apart_compliance() {
+  const auto a = set_.program_compliance();
+  for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] = a[row] + told_apart * rows_[row];
+  return rows_;
 }
 
 /// The largest of the linearised constraints, in parts of the strain limit.

@@ -59,6 +59,7 @@ private:
   double allowed_movement(const Goal& goal);
   double strain(std::span<const double> c) const;
   void find_metric();
+  std::span<const double> told_apart_compliance();
   void find_direction();
   void precondition();
   void begin_product();
