@@ -44,11 +44,6 @@ template<class V>
 void check_solvers(V& v, const Case& c) {
   v.check("velocity", c.velocity.solver != LinearSolver::mumps || c.contact_model() != ContactModel::penalty,
           "solver mumps knows nothing of the springs of contact.model penalty; choose cg");
-  v.check("inextensibility",
-          c.inextensibility.solver != LinearSolver::mumps ||
-              c.inextensibility.method != InextensibilityMethod::newton ||
-              c.contact_model() == ContactModel::none,
-          "solver mumps knows nothing of the contacts that method newton holds; choose cg");
   v.check(
       "inextensibility",
       c.inextensibility.solver != LinearSolver::mumps ||

@@ -13,7 +13,6 @@ struct ForeseenContact {
   Contact contact;        ///< its violation for a cloth that stays where it is
   ContactImpulse carried; ///< kg m, what of its forces is among those of the step
   Vec3 slip;              ///< m, for a cloth that stays where it is
-  bool touches;           ///< pressed in the last step, or is as near as if it had
   /// How an element of cloth rolls on a round body: so much per m that its vertices move along the normal, it
   /// tilts about two axes, in rad times the root of the distance to the body's centre, m. Zero elsewhere.
   Tilts tilts;
@@ -28,8 +27,9 @@ struct ForeseenContact {
 /// next one carries, and so goes away at rest whatever k is. Towards the solver a contact that sticks is
 /// three equations, one that slides one and a part of another, one that would pull none.
 ///
-/// Contacts that touch are taken to stick until the system has been solved; friction is limited once the
-/// solutions agree on which of them press, because on the way there they may press by far too much.
+/// That is a semi-smooth Newton method. Alone it does not converge where many contacts press at a time, as
+/// when a tight garment touches a body: each solve presses on more of them, and harder. With steps that end
+/// where their power is spent (`step_length`), it does.
 class AugmentedContacts {
 public:
   /// `scene` must outlive it.
@@ -50,6 +50,12 @@ public:
   /// neighbours.
   ContactCouplings couplings();
 
+  /// What part of `change`, m of local vertices, to take, at most 1, where `change` solves the system with
+  /// the last `couplings`, and `power` is its product with the residual, in kg m^2, of all ranks. That part
+  /// at which the residual's product with `change` is near zero, or past which it is: of a convex energy, the
+  /// least along the line. Contacts are followed exactly, all else is linear. Collective.
+  double step_length(std::span<const Vec3> change, double power);
+
   /// As evaluated last, of the contacts in their order.
   std::span<const ContactImpulse> impulses() const { return impulses_; }
   /// Whether which contacts press, and which of them slide, was the same when evaluated last as before, or
@@ -61,28 +67,34 @@ public:
 
 private:
   enum class Kind : char { apart, slides, sticks };
+  struct Answer {
+    ContactImpulse impulse;
+    Kind kind = Kind::apart;
+    double excess = 1; ///< of friction that slides: what it would take to stick, over what there is
+  };
   struct Held { ///< direction direction^T between the features of a contact
     std::size_t contact;
     Vec3 direction;
   };
   using Term = ContactCouplings::Term;
-  void add_rolling(std::vector<Term>& terms) const;
 
-  void find_moves(std::span<const Vec3> velocities);
-  void choose_pressing();
-  void press();
-  void limit_friction();
+  Answer answer(std::size_t contact, const Vec3& move) const;
+  Vec3 beyond_carried(std::size_t contact, const ContactImpulse& now) const;
+  double power(std::span<const Vec3> change, double part) const;
+  std::vector<Vec3> between_features(std::span<const Vec3> field);
+  void hold(std::size_t contact);
+  void add_rolling(std::vector<Term>& terms) const;
 
   const ContactScene& scene_;
   double dt_ = 0;
   Global count_ = 0;
   int solves_ = 0; ///< of the system in this step
-  bool limits_friction_ = false, is_settled_ = false;
+  bool is_settled_ = false;
   std::vector<ForeseenContact> contacts_;
   // of contacts
   std::vector<double> stiffness_; ///< kg
   std::vector<Kind> kinds_;
-  std::vector<double> excess_; ///< of friction that slides: what it would take to stick, over what there is
+  std::vector<double> excess_;
   std::vector<ContactImpulse> impulses_;
   std::vector<Vec3> moves_; ///< m that their features part over the step
   std::vector<Held> held_;  ///< in the system

@@ -58,11 +58,8 @@ std::vector<ForeseenContact> ContactRows::foresee() {
   corner_reach_ = 0;
   if (count_ > 0) recall();
   std::vector<ForeseenContact> foreseen;
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const bool touches = records_[k]->impulse.normal > 0 || contacts_[k].violation > -gap_left * fall_;
-    foreseen.push_back(
-        {contacts_[k], records_[k]->impulse, to_undo(Local(k)), touches, tilts_of(contacts_[k])});
-  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    foreseen.push_back({contacts_[k], records_[k]->impulse, to_undo(Local(k)), tilts_of(contacts_[k])});
   return foreseen;
 }
 

@@ -20,6 +20,7 @@ public:
   /// y += sum_k g_k g_k^T x over own vertices. Collective over neighbours.
   void add_product(std::span<const Vec3> x, std::span<Vec3> y) const;
 
+  std::span<const Term> terms() const { return terms_; }
   std::span<const Mat3> diagonal_blocks() const { return diagonal_; } ///< of own vertices
 
 private:

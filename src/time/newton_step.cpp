@@ -155,9 +155,20 @@ bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepRe
     report.failure = fmt::format("Newton's linear solver did not converge in {} iterations", most_iterations);
     return false;
   }
+  if (has_contacts()) shorten_change();
   for (std::size_t i = 0; i < dx_.size(); ++i) candidate.velocities[i] += dx_[i] / dt;
   set_.add(change_);
   return true;
+}
+
+/// To what can be taken of the change before contacts turn it round.
+template<ConstraintSetInNewton Set>
+void NewtonStep<Set>::shorten_change() {
+  double power = 0;
+  for (std::size_t i = 0; i < left_.size(); ++i) power += left_[i].dot(dx_[i]);
+  const double part = contact_->foreseen().step_length(dx_, sum_over(cloth_.mesh.comm, power));
+  for (Vec3& x : dx_) x *= part;
+  for (double& m : change_) m *= part;
 }
 
 /// h (b - A v) - J^T mu at owned vertices, for the matrix A without tension's part.

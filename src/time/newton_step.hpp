@@ -57,6 +57,7 @@ private:
   void stiffen();
   bool has_contacts() const { return contact_ && contact_->foreseen().count() > 0; }
   void hold_contacts();
+  void shorten_change();
   void find_reaction(double dt, Candidate& candidate) const;
   void correct(const StepStart& start, Candidate& candidate, StepReport& report);
 
