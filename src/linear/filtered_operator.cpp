@@ -60,18 +60,6 @@ void FilteredOperator::blocks(std::span<Mat3> blocks) const {
         blocks[pattern.slot(r.vertices[a], r.vertices[b])] += r.gradient[a] * r.gradient[b].transpose();
     }
   });
-  if (matrix_->has_far())
-    for (const auto& t : matrix_->far().terms())
-      for (int a = 0; a < 4; ++a) {
-        if (t.gradient[a].isZero() || !mesh_.owns_vertex(t.places[a])) continue;
-        for (int b = 0; b < 4; ++b) {
-          if (t.gradient[b].isZero()) continue;
-          const auto cols = pattern.columns(t.places[a]);
-          if (!std::binary_search(cols.begin(), cols.end(), t.places[b])) continue;
-          const auto slot = pattern.slot(t.places[a], t.places[b]);
-          blocks[slot] += t.gradient[a] * t.gradient[b].transpose();
-        }
-      }
   auto block = blocks.begin();
   for (Local row = 0; row < pattern.rows(); ++row)
     for (const Local column : pattern.columns(row)) {

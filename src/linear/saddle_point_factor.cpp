@@ -14,6 +14,7 @@ struct SaddlePointFactor::Matrix {
   void fix_pattern();
   void assemble(const FilteredOperator& stiffness, std::span<const Vec3> gradients,
                 std::span<const double> compliance);
+  void add(const ContactCouplings& contacts, const Freedom& freedom);
   PetscInt size() const { return PetscInt(3 * mesh.vertices.owned + rows); }
   PetscInt place_of(std::size_t row) const { return first + PetscInt(3 * mesh.vertices.owned + row); }
 
@@ -21,10 +22,10 @@ struct SaddlePointFactor::Matrix {
   const Pattern& pattern;
   std::span<const RowEdge> entries;
   std::size_t rows;
-  PetscInt first = 0;                 ///< of the rows of this rank
-  std::vector<PetscInt> vertex_place; ///< first row of local vertices
-  std::vector<Mat3> blocks;           ///< of H, in the pattern's order
-  std::vector<PetscScalar> values;    ///< in the order of `fix_pattern`
+  PetscInt first = 0;               ///< of the rows of this rank
+  std::vector<Global> vertex_place; ///< first row of local vertices
+  std::vector<Mat3> blocks;         ///< of H, in the pattern's order
+  std::vector<PetscScalar> values;  ///< in the order of `fix_pattern`
   OwnedMat matrix;
   OwnedVec rhs, solution;
   LinearSolver solver;
@@ -55,16 +56,17 @@ void SaddlePointFactor::Matrix::fix_pattern() {
   for (Local i = 0; i < mesh.vertices.owned; ++i)
     for (const Local j : pattern.columns(i))
       for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) places.add(vertex_place[i] + a, vertex_place[j] + b);
+        for (int b = 0; b < 3; ++b) places.add(PetscInt(vertex_place[i]) + a, PetscInt(vertex_place[j]) + b);
   for (const RowEdge& e : entries)
     for (const Local v : mesh.edge_vertices[e.edge])
       for (int a = 0; a < 3; ++a) {
-        places.add(place_of(e.row), vertex_place[v] + a);
-        places.add(vertex_place[v] + a, place_of(e.row));
+        places.add(place_of(e.row), PetscInt(vertex_place[v]) + a);
+        places.add(PetscInt(vertex_place[v]) + a, place_of(e.row));
       }
   for (std::size_t r = 0; r < rows; ++r) places.add(place_of(r), place_of(r));
   values.reserve(places.rows.size());
   matrix = make_symmetric_matrix(mesh.comm, "kkt_", size(), std::move(places));
+  check(MatSetOption(matrix, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE)); // leaves out what is far
 }
 
 void SaddlePointFactor::Matrix::assemble(const FilteredOperator& stiffness, std::span<const Vec3> gradients,
@@ -83,6 +85,24 @@ void SaddlePointFactor::Matrix::assemble(const FilteredOperator& stiffness, std:
     }
   for (const double a : compliance) values.push_back(-a);
   check(MatSetValuesCOO(matrix, values.data(), INSERT_VALUES));
+  if (const auto& contacts = stiffness.matrix().far()) add(*contacts, freedom);
+}
+
+/// What of contacts lies between neighbours: on bodies, all.
+void SaddlePointFactor::Matrix::add(const ContactCouplings& contacts, const Freedom& freedom) {
+  std::vector<Mat3> projectors;
+  for (Local i = 0; i < mesh.vertices.owned; ++i) projectors.push_back(freedom.projector(i));
+  contacts.for_each(vertex_place, projectors, [&](std::span<const ContactCouplings::Part> parts) {
+    for (const auto& [row, g] : parts)
+      for (const auto& [column, h] : parts) {
+        const Mat3 transposed = h * g.transpose(); // of the block, which PETSc reads by rows
+        const PetscInt r = PetscInt(row), c = PetscInt(column);
+        const std::array<PetscInt, 3> rows_of{r, r + 1, r + 2}, columns_of{c, c + 1, c + 2};
+        check(MatSetValues(matrix, 3, rows_of.data(), 3, columns_of.data(), transposed.data(), ADD_VALUES));
+      }
+  });
+  check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
 SaddlePointFactor::SaddlePointFactor(const DistributedMesh& mesh, const Pattern& pattern,

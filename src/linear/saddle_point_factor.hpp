@@ -12,9 +12,8 @@ namespace taut {
 ///     [  H  -J^T ] [ x ]   [ r ]
 ///     [ -J  -a   ] [ m ] = [ c ],
 ///
-/// by MUMPS (L D L^T), for any matrix H between vertices and any rows that are made of edges (RowEdge). Terms
-/// of H between vertices that are no neighbours, those of contacts, are left out. Its PETSc prefix is
-/// `-kkt_`.
+/// by MUMPS (L D L^T), for any matrix H between vertices and any rows that are made of edges (RowEdge). Of
+/// contacts, what couples vertices that are no neighbours is left out. Its PETSc prefix is `-kkt_`.
 class SaddlePointFactor {
 public:
   /// `entries` are all of J, of `rows` owned rows. All must outlive the factor. Collective.

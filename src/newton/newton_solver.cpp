@@ -13,8 +13,9 @@ namespace {
 
 constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
-constexpr double told_apart = 1e-8;  // of what rows yield, far below what a step asks for
-constexpr double part_of_way = 1e-3; // of what starts from rest; less is lost in what turns
+constexpr int most_with_old_factor = 8; // iterations
+constexpr double told_apart = 1e-8;     // of what rows yield, far below what a step asks for
+constexpr double part_of_way = 1e-3;    // of what starts from rest; less is lost in what turns
 
 double total_mass(const Cloth& cloth) {
   double sum = 0;
@@ -45,9 +46,15 @@ void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   find_metric();
   grids_.set(stiffness);
   set_.program_tolerance(1.0, tolerance_);
-  if (factor_) return factor_->factor(stiffness, set_.gradients(), told_apart_compliance());
+  if (factor_) return is_factored_ ? void() : renew_factor();
   set_.factor(metric_);
   coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
+}
+
+template<ConstraintSetInNewton Set>
+void NewtonSolver<Set>::renew_factor() {
+  factor_->factor(*stiffness_, set_.gradients(), told_apart_compliance());
+  is_factored_ = true;
 }
 
 /// W, and the weights of residuals that go with it: 1/(J W J^T + a) of the rows, their diagonals nearly.
@@ -84,6 +91,7 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
       report.failure = "too many iterations";
       break;
     }
+    if (factor_ && report.iterations == most_with_old_factor) renew_factor();
     find_direction();
     ++report.iterations;
     const double movement = rms(as_vectors(direction_));

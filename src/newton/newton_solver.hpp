@@ -38,7 +38,11 @@ public:
     double strain;               ///< the part of the strain limit that the linearised constraints may miss
   };
 
-  /// Takes the matrix and the set as it was evaluated last. Collective.
+  /// Forgets what earlier steps left: the next matrix is factored anew.
+  void begin_step() { is_factored_ = false; }
+
+  /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, until a solve
+  /// takes many iterations with it.) Collective.
   void factor(const FilteredOperator& stiffness);
 
   /// `r` over owned vertices, in kg m; `c` over owned rows, as the set's residual. `dx` (local, ghosts
@@ -59,6 +63,7 @@ private:
   double allowed_movement(const Goal& goal);
   double strain(std::span<const double> c) const;
   void find_metric();
+  void renew_factor();
   std::span<const double> told_apart_compliance();
   void find_direction();
   void precondition();
@@ -77,6 +82,7 @@ private:
   std::optional<CoarseSystem> coarse_;      ///< of these two one
   std::optional<SaddlePointFactor> factor_; ///< of the system for (dx, -dmu)
   Gcr gcr_;
+  bool is_factored_ = false;
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,

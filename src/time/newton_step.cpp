@@ -60,6 +60,7 @@ void NewtonStep<Set>::begin(const StepStart& start, Candidate& candidate) {
   pins_.prescribe(start.state, start.dt, freedom_, candidate.velocities);
   assembly_.assemble(start);
   stiffness_.set(assembly_.system().matrix(), freedom_);
+  solver_.begin_step();
   std::fill(added_.begin(), added_.end(), 0.0);
   if (options_.carried_tension) candidate.multipliers.force_density = start.state.multipliers.force_density;
   set_.start(start.state, start.dt, freedom_, candidate);
