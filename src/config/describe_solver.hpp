@@ -86,7 +86,8 @@ template<class V>
 void describe(V& v, Is<Inextensibility> auto& i) {
   v("method", i.method,
     {.computed_default =
-         "newton; fast_projection with contact, or where velocity, petsc, solver or faces is given",
+         "newton; fast_projection with contact (but of a pattern with time.until_rest), or where velocity, "
+         "petsc, solver or faces is given",
      .meaning = "how edges keep their lengths; none lets them stretch freely"});
   v("constrain", i.constrain,
     {.computed_default =
@@ -100,8 +101,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
      .meaning = "of fast_projection with constrain: vertices: largest strain of single triangles along warp "
                 "and weft, over `strain`"});
   v("solver", i.solver,
-    {.computed_default = "cg; mumps with method newton on meshes with triangles, without contact, of at most "
-                         "20 000 vertices",
+    {.computed_default = "cg; mumps with method newton on meshes with triangles of at most 20 000 vertices",
      .meaning = "linear solver of a projection or of Newton's method: iterative, or MUMPS (direct)"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
   v("residual", i.residual,

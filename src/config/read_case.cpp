@@ -78,8 +78,14 @@ Material initial_material(const Tree& cloth) {
   return material;
 }
 
+/// Whether a garment is to be worn until it rests.
+bool wants_garment_at_rest(const Tree& root) {
+  const Entry *cloth = root.find("cloth"), *time = root.find("time");
+  return cloth && cloth->value.find("pattern") && time && time->value.find("until_rest");
+}
+
 /// The method that stands before its key is read: Newton's, unless something asks for what it does not do, or
-/// is dear with: see Case::contact_model for what is contact.
+/// is expensive with, as contact (Case::contact_model) is where rest is not asked for.
 InextensibilityMethod initial_method(const Tree& root) {
   const Entry *contact = root.find("contact"), *obstacles = root.find("obstacles"),
               *keys = root.find("inextensibility");
@@ -88,7 +94,8 @@ InextensibilityMethod initial_method(const Tree& root) {
       contact ? !model || model->value.text != "none" : obstacles && !obstacles->value.items.empty();
   const bool asks = root.find("velocity") || root.find("petsc") ||
                     (keys && (keys->value.find("solver") || keys->value.find("faces")));
-  return has_contact || asks ? InextensibilityMethod::fast_projection : InextensibilityMethod::newton;
+  const bool is_expensive = has_contact && !wants_garment_at_rest(root);
+  return is_expensive || asks ? InextensibilityMethod::fast_projection : InextensibilityMethod::newton;
 }
 
 } // namespace

@@ -123,9 +123,6 @@ MISTAKES = [
     added("contact_by_newton", "inextensibility: {method: newton}\nobstacles: [{plane: {point: [0, 0, -1]}}]\n"
           "contact: {model: impulse}", "taut: case.yaml:5:18: inextensibility: method newton works with contact.model "
           "constraint or none only; choose one of these, or method fast_projection"),
-    added("newton_with_contact_by_mumps", "inextensibility: {method: newton, solver: mumps}\ncontact: {}",
-          "taut: case.yaml:5:18: inextensibility: solver mumps knows nothing of the contacts that method newton holds; "
-          "choose cg"),
     added("contact_by_xpbd", "inextensibility: {method: xpbd}\ncontact: {model: impulse}",
           "taut: case.yaml:5:18: inextensibility: method xpbd knows no contact; choose another, or "
           "contact.model: none"),
