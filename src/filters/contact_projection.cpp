@@ -146,6 +146,7 @@ template<ConstraintSet Set>
 void ContactProjection<Set>::update_pairs(std::size_t known) {
   scene_.gather_start();
   safe_.measure_gaps(known);
+  rows_.keep_pairs(known);
 }
 
 /// Fast Projection, where no contact is in reach; false if it would lead to one.
