@@ -34,6 +34,7 @@ void ContactRows::begin(const ContactMemory& memory, double dt, double overlap_k
   fall_ = fall(dt);
   at_home_ = memory;
   known_.clear();
+  seen_.clear();
 }
 
 void ContactRows::make(int iteration) {
@@ -100,10 +101,11 @@ void ContactRows::find_contacts() {
   records_.clear();
   unknown_.clear();
   ++round_;
+  seen_.resize(scene_.search.pairs().size());
   for (std::size_t k = 0; k < scene_.search.pairs().size(); ++k) {
     const Pair& pair = scene_.search.pairs()[k];
     const Approach& here = safe_.approach_of(k);
-    add_contact(pair, here);
+    add_contact(pair, here, seen_[k]);
     const bool is_round = pair.body >= 0 && scene_.obstacles().body(pair.body).is_round;
     if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, here);
   }
@@ -125,7 +127,7 @@ double ContactRows::gap_wanted(const Pair& pair, const Approach& here) const {
 
 /// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
 /// but friction then chatters: the capstan's force comes out half as large again.)
-void ContactRows::add_contact(const Pair& pair, const Approach& here) {
+void ContactRows::add_contact(const Pair& pair, const Approach& here, Seen& seen) {
   const std::span<const Global> keys = scene_.search.keys();
   const double gap = gap_along(pair, here, scene_.target_field());
   const double nearest = std::min(gap, here.gap);
@@ -140,28 +142,25 @@ void ContactRows::add_contact(const Pair& pair, const Approach& here) {
   if (is_covered && !has_stopped) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved
+  auto& [key, record] = known_as(pair, here, seen);
+  if (std::exchange(record.round, round_) == round_) return; // another pair has found it
   const double violation = gap_wanted(pair, here) - gap;
   const bool is_close = violation > -close * thickness_.of(pair, keys) || has_stopped;
-  const Contact contact{pair.vertices,
-                        here.weights,
-                        here.normal,
-                        yields,
-                        violation,
-                        key_of(pair, here, keys),
-                        friction_of(pair, scene_.obstacles(), options_),
-                        pair.body,
-                        is_close};
-  if (is_first(contact)) contacts_.push_back(contact);
+  contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key,
+                       friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
+  records_.push_back(&record);
 }
 
-/// Several pairs may have found the same contact.
-bool ContactRows::is_first(const Contact& contact) {
-  const auto [known, is_new] = known_.try_emplace(contact.key);
-  ContactRecord& record = known->second; // stays where it is
-  if (is_new) unknown_.push_back(contact.key);
-  if (std::exchange(record.round, round_) == round_) return false;
-  records_.push_back(&record);
-  return true;
+/// What is known of the contact that a pair is now: asked for by name only where its features are not those
+/// that they were, for names are costly.
+ContactRows::Known::value_type& ContactRows::known_as(const Pair& pair, const Approach& here, Seen& seen) {
+  unsigned features = 0;
+  for (int i = 0; i < 4; ++i) features |= unsigned(here.weights[i] != 0) << i;
+  if (seen.contact && seen.features == features) return *seen.contact;
+  const auto [known, is_new] = known_.try_emplace(key_of(pair, here, scene_.search.keys()));
+  if (is_new) unknown_.push_back(known->first);
+  seen = {features, &*known}; // which stays where it is
+  return *known;
 }
 
 /// Vertices of cloth that are about to press on a sphere though all around them is nearer to it now, and so
@@ -175,7 +174,10 @@ void ContactRows::add_corners(const Pair& pair, const Approach& here) {
     std::fill(corner.vertices.begin() + 1, corner.vertices.end(), pair.vertices[i]);
     const Approach alone = approach(corner, at(corner, safe_.field()));
     const double gap = std::min(alone.gap, gap_along(corner, alone, scene_.target_field()));
-    if (gap < thickness_.of(pair, scene_.search.keys()) + corner_reach_) add_contact(corner, alone);
+    if (gap < thickness_.of(pair, scene_.search.keys()) + corner_reach_) {
+      Seen never;
+      add_contact(corner, alone, never);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include "src/contact/normal_cones.hpp"
 #include "src/contact/safe_iterate.hpp"
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace taut {
@@ -39,6 +40,10 @@ public:
   /// What the contacts foreseen last have pressed and rubbed, in kg m: rows go on from there, as if the last
   /// step had done it. Not collective.
   void take(std::span<const ContactImpulse> impulses);
+
+  /// The search has other pairs than when contacts were looked for last, but the first `known` are the same.
+  /// Not collective.
+  void keep_pairs(std::size_t known) { seen_.resize(std::min(known, seen_.size())); }
 
   /// Those of the pairs that are near at the safe iterate or at the target, in iteration `iteration` of the
   /// step, from 1. Collective.
@@ -81,13 +86,19 @@ private:
     Vec3 drifted = Vec3::Zero();          ///< m, at the target
     int round = 0;                        ///< that found it last
   };
+  using Known = std::unordered_map<ContactKey, ContactRecord, HashOfKey>;
+  /// The contact that a pair was when it was looked at last, by which of its features were in play.
+  struct Seen {
+    unsigned features = 0; ///< a bit for each of its vertices with a weight
+    Known::value_type* contact = nullptr;
+  };
 
   double fall(double seconds) const;
   void find_contacts();
   double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
   double gap_wanted(const Pair& pair, const Approach& here) const;
-  void add_contact(const Pair& pair, const Approach& here);
-  bool is_first(const Contact& contact);
+  void add_contact(const Pair& pair, const Approach& here, Seen& seen);
+  Known::value_type& known_as(const Pair& pair, const Approach& here, Seen& seen);
   void add_corners(const Pair& pair, const Approach& here);
   void recall();
   void drop_idle();
@@ -116,8 +127,9 @@ private:
   std::vector<ContactKey> unknown_;     ///< of the contacts: those that are there the first time in this step
   int round_ = 0;                       ///< of looking for contacts
   std::vector<ContactRow> rows_;
-  ContactMemory at_home_; ///< of the last step, what no rank has asked for yet
-  std::unordered_map<ContactKey, ContactRecord, HashOfKey> known_; ///< in this step
+  ContactMemory at_home_;  ///< of the last step, what no rank has asked for yet
+  Known known_;            ///< in this step
+  std::vector<Seen> seen_; ///< of pairs that still have the places they had
 };
 
 } // namespace taut

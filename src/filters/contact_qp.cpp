@@ -67,11 +67,11 @@ void ContactQp<Set>::add_block(const Contact& contact) {
 
 template<ConstraintSet Set>
 void ContactQp<Set>::take_rows(std::span<const Contact> contacts, std::span<const ContactRow> rows) {
-  auto& [blocks, parts, directions, diagonal, compliance] = contact_;
+  auto& [blocks, parts, directions, inverse_diagonal, compliance] = contact_;
   blocks.clear();
   parts.clear();
   directions.clear();
-  diagonal.clear();
+  inverse_diagonal.clear();
   compliance.clear();
   Local last = -1;
   for (const ContactRow& row : rows) {
@@ -86,7 +86,7 @@ void ContactQp<Set>::take_rows(std::span<const Contact> contacts, std::span<cons
     z_.push_back(row.guess);
     compliance.push_back((row.is_normal ? normal_compliance : friction_compliance) *
                          contact.inverse_effective_mass);
-    diagonal.push_back(contact.inverse_effective_mass + compliance.back());
+    inverse_diagonal.push_back(1 / (contact.inverse_effective_mass + compliance.back()));
   }
 }
 
@@ -136,8 +136,8 @@ void ContactQp<Set>::multiply(std::span<const double> z, std::span<double> resul
 template<ConstraintSet Set>
 void ContactQp<Set>::precondition(std::span<const double> r, std::span<double> s) const {
   set_->precondition(r.first(set_rows_), s.first(set_rows_));
-  for (std::size_t k = 0; k < contact_.diagonal.size(); ++k)
-    s[set_rows_ + k] = r[set_rows_ + k] / contact_.diagonal[k];
+  for (std::size_t k = 0; k < contact_.inverse_diagonal.size(); ++k)
+    s[set_rows_ + k] = r[set_rows_ + k] * contact_.inverse_diagonal[k];
 }
 
 template class ContactQp<EdgeSet>;

@@ -65,7 +65,7 @@ private:
     std::vector<Block> blocks;
     std::vector<Part> parts; ///< of all blocks
     std::vector<Vec3> directions;
-    std::vector<double> diagonal; ///< compliance in it
+    std::vector<double> inverse_diagonal; ///< compliance in it
     std::vector<double> compliance;
   };
 

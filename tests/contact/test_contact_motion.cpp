@@ -87,6 +87,28 @@ TEST(BoundedQp, WithoutBoundsEndsAsConjugateGradientsDo) {
   EXPECT_LE(report.products, 7);
 }
 
+/// Entries are gone through in runs of some hundreds, those with bounds and those without.
+TEST(BoundedQp, KeepsEachEntryWithItsOwnBounds) {
+  const std::size_t n = 3000, unbounded = 1300;
+  std::vector<double> rhs(n), lower, upper, tolerance(n, 1e-9), z(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    rhs[i] = double(i % 7) - 3;
+    if (i < unbounded) continue;
+    lower.push_back(-1e-4 * double(i));
+    upper.push_back(2e-4 * double(i));
+  }
+  const auto copy = [](std::span<const double> x, std::span<double> y) {
+    std::copy(x.begin(), x.end(), y.begin());
+  };
+  EXPECT_TRUE(solve(world, {copy, copy, rhs, unbounded, lower, upper, tolerance}, {100}, z).solved);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool is_bounded = i >= unbounded;
+    const double expected =
+        is_bounded ? std::clamp(rhs[i], lower[i - unbounded], upper[i - unbounded]) : rhs[i];
+    ASSERT_NEAR(z[i], expected, 1e-8) << i;
+  }
+}
+
 constexpr const char* patch = "cloth: {grid: {size: [0.1, 0.1], vertices: [9, 9]}}\n"
                               "velocity: {tolerance: 1e-8}\n"
                               "time: {end: 0.2, frame_rate: 10, max_step: 0.005}\n";
