@@ -22,8 +22,7 @@ double largest_speed(const Simulation& simulation) {
 std::string name_of_seam(const Case& input, const Cloth& cloth, Global vertex) {
   const std::size_t k = cloth.piece_of_original(vertex);
   const Global number = vertex - cloth.pieces[k].first_vertex;
-  const auto garment = garment::load_garment(cloth.mesh.comm, input.folder() / *input.cloths[k].pattern,
-                                             *input.cloths[k].edge);
+  const auto garment = garment::load_garment(cloth.mesh.comm, input, k);
   for (const auto& seam : garment.mesh.seams)
     for (const auto& [a, b] : seam.pairs)
       if (a == number || b == number) return seam.name;

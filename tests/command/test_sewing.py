@@ -23,7 +23,7 @@ stitches:
 """
 CASE = """\
 name: tube
-cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton}
+cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton, panels: {back: {fabric: denim}}}
 obstacles: [{capsule: {from: [0, 0, -0.3], to: [0, 0, 0.5], radius: 4 cm}}]
 pins: [{label: waist, plane: [0, 0, 1]}]
 sewing: {time: 0.4, force: 20, limit: 2, damping: 20, growth: 0.3}
@@ -78,6 +78,8 @@ class Sewing(Temporary):
         waist = sewn["labels/vertices"]
         np.testing.assert_allclose(sewn["rest_positions"][waist, 2], 0.2, atol=2e-3)
         last = last_frame(run)
+        out = self.taut("info", "run/case.yaml")[1]
+        self.assertIn(f"{0.04 * 0.1503 + 0.04 * 0.324:.4g} kg", out)  # cotton and denim
         around = np.linalg.norm(last["positions"][:, :2], axis=1)
         np.testing.assert_allclose(last["clearance"], around - 0.04, atol=1e-6)
         texture = sewn["texture_of_vertices"]
