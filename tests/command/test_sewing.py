@@ -148,7 +148,15 @@ class Sewing(Temporary):
     def test_a_seam_that_cannot_close_is_named(self):
         code, _, err = self.taut("run", "case.yaml", "--set", "sewing.force=0.001", "--set", "sewing.limit=0.4")
         self.assertEqual(code, 3)
-        self.assertRegex(err, r"seam front\.[13]-back\.[13] is still open by [0-9.]+ mm")
+        self.assertRegex(err, r"seam front\.[13]-back\.[13] is still open by [0-9.]+ mm "
+                              r"at \([-0-9.e]+, [-0-9.e]+, [-0-9.e]+\) m")
+
+    def test_uneven_seams_are_warned_of_before_anything_is_sewn(self):
+        (self.folder / "long.yaml").write_text(PATTERN.replace("0.2]", "0.45]", 2))
+        code, out, err = self.taut("check", "case.yaml", "--set", "cloth.pattern=long.yaml")
+        self.assertEqual(code, 0)
+        self.assertRegex(err, r"long\.yaml:6:5: seam front\.1-back\.3 joins edges of 0\.45 m and 0\.2 m, "
+                              r"gathered 2\.2 : 1")
 
     def test_the_dressed_state_begins_another_run_and_goes_out(self):
         run = self.sewn("run")
