@@ -64,9 +64,9 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
 }
 
 /// A body that stands somewhere else than its garment, or lies, comes of units and axes.
-void check_place(const Case& input, const Simulation& simulation) {
+void check_place(const Case& input, const Simulation& simulation, const Obstacles& obstacles) {
   constexpr double farthest = 1; // m
-  const auto places = simulation.obstacles().start();
+  const auto places = obstacles.start();
   if (places.empty()) return;
   const DistributedMesh& mesh = simulation.cloth().mesh;
   std::array<double, 6> extent;
@@ -102,6 +102,13 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
   return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
 }
 
+/// What is wrong with the last stage is told before the first.
+Case checked_and_ready(MPI_Comm comm, const Case& input) {
+  const Simulation unsewn(comm, input);
+  warn_of_start(unsewn, input);
+  return ready_to_sew(unsewn, input);
+}
+
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
@@ -121,11 +128,12 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 
 } // namespace
 
-Case ready_to_sew(MPI_Comm comm, Case input) {
+Case ready_to_sew(const Simulation& unsewn, Case input) {
   fill_in(input);
-  const Simulation simulation(comm, sewing_case(input));
-  check_place(input, simulation);
-  const std::vector<double> lifts = lifts_of(simulation);
+  const MPI_Comm comm = unsewn.cloth().mesh.comm;
+  const Obstacles slim(comm, sewing_case(input));
+  check_place(input, unsewn, slim);
+  const std::vector<double> lifts = lifts_of(unsewn.cloth(), unsewn.state().positions, slim);
   for (std::size_t k = 0; k < lifts.size(); ++k) {
     if (lifts[k] == 0) continue;
     input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
@@ -158,8 +166,7 @@ bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, c
 
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
-  warn_of_start(Simulation(comm, given), given); // what is wrong with the last stage is told before the first
-  const Case input = ready_to_sew(comm, given);
+  const Case input = checked_and_ready(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
   try_petsc_options(simulation, input, options.source.petsc);
