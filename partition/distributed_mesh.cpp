@@ -129,6 +129,7 @@ private:
         mesh_.owned_cell_originals.push_back(sent->original);
       }
       mesh_.cells.push_back(cell);
+      mesh_.cell_originals.push_back(sent->original);
       if (has_texture) mesh_.texture.push_back(sent->texture);
       if (has_rest_shape) mesh_.rest_shape.push_back(sent->rest_shape);
     }
@@ -149,6 +150,7 @@ private:
       mesh_.hinges.push_back({{local(h.low), local(h.high)},
                               {local(h.left[0]), local(h.left[1])},
                               {local(h.right[0]), local(h.right[1])},
+                              h.cells,
                               h.run,
                               h.at_rest});
     std::sort(mesh_.hinges.begin(), mesh_.hinges.end(), [this](const Hinge& a, const Hinge& b) {

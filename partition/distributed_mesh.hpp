@@ -15,6 +15,7 @@ struct LocalCell {
 struct Hinge {
   std::array<Local, 2> edge;
   std::array<Local, 2> left, right;
+  std::array<Global, 2> cells; ///< their original numbers; they need not be here
   Vec2 run;
   UnfoldedFaces at_rest;
 
@@ -62,6 +63,7 @@ struct DistributedMesh {
   bool triangles_only = false;              ///< no quad and no line in the whole mesh
   bool has_triangles = false;               ///< in the whole mesh
   std::vector<LocalCell> cells;             ///< local cells
+  std::vector<Global> cell_originals;       ///< their original numbers
   std::vector<Corners2> texture;            ///< of local cells; empty if the mesh has none
   std::vector<Corners2> rest_shape;         ///< the same; see MeshSlab
   std::vector<Local> owned_cells;           ///< those of `cells` this rank owns: each cell has one owner

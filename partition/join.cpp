@@ -53,6 +53,7 @@ void number_through(ListedMesh& mesh, const Before& before) {
     h.high += before.vertices;
     move_by(before.vertices, h.left);
     move_by(before.vertices, h.right);
+    move_by(before.cells, h.cells);
   }
 }
 

@@ -125,6 +125,7 @@ std::vector<Edge> edges_from(MPI_Comm comm, const MeshSlab& mesh, std::span<cons
                                  left.high,
                                  left.across,
                                  right.across,
+                                 {left.cell, right.cell},
                                  group[0].run,
                                  {left.length, left.apex, right.apex}});
     }

@@ -33,8 +33,9 @@ struct UnfoldedFaces {
 struct EdgeFaces {
   Global low, high; ///< original vertex numbers
   std::array<Global, 2> left, right;
-  Vec2 run;              ///< of the texture from the lower to the higher vertex; zero in a mesh without
-  UnfoldedFaces at_rest; ///< zero where the rest shape is that of the positions
+  std::array<Global, 2> cells; ///< the face to the left, that to the right
+  Vec2 run;                    ///< of the texture from the lower to the higher vertex; zero in a mesh without
+  UnfoldedFaces at_rest;       ///< zero where the rest shape is that of the positions
 };
 
 /// The vertices of a hinge; unused places repeat the one before.

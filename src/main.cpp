@@ -37,7 +37,8 @@ constexpr std::array examples{
     Example{"check",
             "taut check out/drape                              verify the checksums of what a run wrote"},
     Example{"info", "taut info out/drape                               what a run holds, in words"},
-    Example{"info", "taut info case.yaml                               what a case would simulate"},
+    Example{"info",
+            "taut info case.yaml --set cloth.edge=5mm          what a case would simulate, and its cost"},
     Example{"partition", "taut partition case.yaml --ranks 4096             how the cloth would be cut"},
     Example{"mesh",
             "taut mesh shirt.json --edge 5mm --out shirt.h5    mesh a sewing pattern; --svg FILE draws it"},
@@ -113,7 +114,7 @@ public:
     check_->add_flag("--thorough", thorough_, "Also try what may take long: to untangle the start");
     for (CLI::App* command : {run_, partition_})
       command->add_option("case", case_, "The case file (YAML)")->required();
-    for (CLI::App* command : {run_, resume_, check_, partition_})
+    for (CLI::App* command : {run_, resume_, check_, info_, partition_})
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
           ->type_name("KEY=VALUE")
           ->take_all();
@@ -163,13 +164,13 @@ public:
     }
     if (*schema_) return print(comm, table_ ? case_table() : case_schema());
     if (*fabrics_) return print(comm, config::fabric_table());
-    if (*info_) return info(comm, path_);
     if (*mesh_) return mesh(comm, {case_, edges_, out_, svg_});
     if (*export_) return export_frames(comm, {path_, out_, up_, unit_, frame_});
     std::vector<Override> overrides;
     for (const std::string& s : sets_) overrides.push_back(parse_override(s));
     if (*resume_) return resume(comm, {path_, overrides, arguments.petsc, checkpoint_, style_of(progress_)});
     const CaseSource source{case_, overrides, arguments.petsc};
+    if (*info_) return info(comm, {path_, overrides, arguments.petsc});
     if (*check_) return is_folder(comm, case_) ? check_run(comm, case_) : check(comm, {source, depth()});
     if (*partition_) return partition(comm, {source, ranks_, json_});
     return run(comm, {source, out_, overwrite_ ? ExistingRun::overwrite : ExistingRun::refuse,

@@ -22,8 +22,7 @@ double largest_speed(const Simulation& simulation) {
 std::string name_of_seam(const Case& input, const Cloth& cloth, Global vertex) {
   const std::size_t k = cloth.piece_of_original(vertex);
   const Global number = vertex - cloth.pieces[k].first_vertex;
-  const auto garment = garment::load_garment(cloth.mesh.comm, input.folder() / *input.cloths[k].pattern,
-                                             *input.cloths[k].edge);
+  const auto garment = garment::load_garment(cloth.mesh.comm, input, k);
   for (const auto& seam : garment.mesh.seams)
     for (const auto& [a, b] : seam.pairs)
       if (a == number || b == number) return seam.name;
@@ -42,12 +41,14 @@ Outcome judge_seams(const Case& input, const Simulation& simulation) {
   if (open.over_closed <= 1) return {};
   const std::string name =
       broadcast_text(simulation.cloth().mesh.comm, name_of_seam(input, simulation.cloth(), open.vertex));
-  return {Ending::failed,
-          fmt::format(
-              "seam {} is still open by {:.3g} mm between vertices {} and {} after sewing.limit, {:g} s; "
-              "give it more sewing.force, {:g} N/m, or more time, or place the panels nearer to where "
-              "they belong, or let pins slide that hold it apart (pins[].plane)",
-              name, 1000 * open.distance, open.joint, open.vertex, input.sewing->limit, input.sewing->force)};
+  return {
+      Ending::failed,
+      fmt::format("seam {} is still open by {:.3g} mm at ({:.4g}, {:.4g}, {:.4g}) m, between vertices {} and "
+                  "{}, after sewing.limit, {:g} s; "
+                  "give it more sewing.force, {:g} N/m, or more time, or place the panels nearer to where "
+                  "they belong, or let pins slide that hold it apart (pins[].plane)",
+                  name, 1000 * open.distance, open.place[0], open.place[1], open.place[2], open.joint,
+                  open.vertex, input.sewing->limit, input.sewing->force)};
 }
 
 } // namespace taut::command

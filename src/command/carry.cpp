@@ -32,7 +32,7 @@ CarriedGarment carry(MPI_Comm comm, const Case& input, std::size_t k) {
   const std::string key =
       fmt::format("{}: {}.start.run: ", input.file.string(), config::key_of_cloth(input, k));
   const garment::WornGarment worn(comm, run / run_files::mesh, last_frame(comm, run, key));
-  auto [name, mesh] = garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
+  auto [name, mesh] = garment::load_garment(comm, input, k);
   CarriedGarment carried{std::move(mesh), {}};
   on_rank_0(comm, [&, &name = name] {
     const std::string prefix = input.cloths.size() == 1 ? "" : fmt::format("{}.", k);

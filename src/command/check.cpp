@@ -26,7 +26,7 @@ int check(MPI_Comm comm, const CheckOptions& options) {
   Simulation simulation(comm, input);
   warn_of_start(simulation, input);
   std::optional<Simulation> sewing;
-  if (input.sewing) sewing.emplace(comm, case_of(SewingStage::sewing, ready_to_sew(comm, input), {}));
+  if (input.sewing) sewing.emplace(comm, case_of(SewingStage::sewing, ready_to_sew(simulation, input), {}));
   Simulation& first = sewing ? *sewing : simulation;
   if (options.depth == CheckDepth::thorough || is_quick(input)) {
     if (!clear_start(first, input, std::filesystem::path("out") / (input.name + ".findings.vtp")))

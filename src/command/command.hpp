@@ -13,7 +13,7 @@ namespace taut::command {
 
 enum ExitCode { success = 0, internal_error = 1, input_error = 2, step_failure = 3, interrupted = 4 };
 
-/// What `run` and `check` are told about a case.
+/// What commands are told about a case.
 struct CaseSource {
   std::filesystem::path file;
   std::vector<Override> overrides;
@@ -73,7 +73,8 @@ int check(MPI_Comm comm, const CheckOptions& options);
 /// Verifies the checksums of all that a run wrote in HDF5.
 int check_run(MPI_Comm comm, const std::filesystem::path& folder);
 
-int info(MPI_Comm comm, const std::filesystem::path& path);
+/// Of a case, or of a folder with a run, which takes no overrides. Of a case a first step is tried.
+int info(MPI_Comm comm, const CaseSource& source);
 int partition(MPI_Comm comm, const PartitionOptions& options);
 int mesh(MPI_Comm comm, const MeshOptions& options);
 int export_frames(MPI_Comm comm, const ExportOptions& options);

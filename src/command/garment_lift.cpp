@@ -19,23 +19,21 @@ using Way = std::array<Vec3, 2>;
 using Corners = std::array<Vec3, 3>;
 
 /// Some of those of cloth `k` that this rank owns, spread evenly.
-std::vector<Way> ways_of(const Simulation& simulation, std::size_t k) {
-  const Cloth& cloth = simulation.cloth();
+std::vector<Way> ways_of(const Cloth& cloth, std::span<const Vec3> positions, std::size_t k) {
   std::vector<Way> ways;
   for (const auto& [a, b] : cloth.mesh.seams)
-    if (cloth.mesh.owns_vertex(a) && cloth.piece_of(a) == k)
-      ways.push_back({simulation.state().positions[a], simulation.state().positions[b]});
+    if (cloth.mesh.owns_vertex(a) && cloth.piece_of(a) == k) ways.push_back({positions[a], positions[b]});
   const std::size_t stride = 1 + ways.size() / most_ways;
   std::vector<Way> some;
   for (std::size_t i = 0; i < ways.size(); i += stride) some.push_back(ways[i]);
   return some;
 }
 
-std::vector<Corners> triangles_of(const Simulation& simulation) {
+std::vector<Corners> triangles_of(const Obstacles& obstacles) {
   std::vector<Vec3> places;
-  simulation.obstacles().place(0, places);
+  obstacles.place(0, places);
   std::vector<Corners> triangles;
-  for (const Element& e : simulation.obstacles().elements())
+  for (const Element& e : obstacles.elements())
     if (e.is_triangle())
       triangles.push_back({places[e.vertices[0]], places[e.vertices[1]], places[e.vertices[2]]});
   return triangles;
@@ -108,12 +106,12 @@ double best_lift(const std::vector<double>& blocked) {
 
 } // namespace
 
-std::vector<double> lifts_of(const Simulation& simulation) {
-  const Cloth& cloth = simulation.cloth();
-  const std::vector<Corners> triangles = triangles_of(simulation);
+std::vector<double> lifts_of(const Cloth& cloth, std::span<const Vec3> positions,
+                             const Obstacles& obstacles) {
+  const std::vector<Corners> triangles = triangles_of(obstacles);
   std::vector<double> lifts;
   for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
-    std::vector<double> blocked = blocked_ways(ways_of(simulation, k), triangles);
+    std::vector<double> blocked = blocked_ways(ways_of(cloth, positions, k), triangles);
     sum_in_place(cloth.mesh.comm, blocked);
     lifts.push_back(best_lift(blocked));
   }

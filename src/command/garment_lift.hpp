@@ -1,5 +1,6 @@
 #pragma once
-#include "src/time/simulation.hpp"
+#include "src/contact/obstacles.hpp"
+#include "src/state/cloth.hpp"
 
 namespace taut::command {
 
@@ -8,7 +9,7 @@ namespace taut::command {
 /// place and, less, up to 10 cm above and below. Of the places up to 20 cm away, with none on the way that is
 /// worse than the start, the nearest at which these are hardly more than the fewest. So a shirt is lifted
 /// until its shoulders pass over those of the body, and trousers come to where their crotch passes between
-/// the legs. At the start. Collective.
-std::vector<double> lifts_of(const Simulation& simulation);
+/// the legs. `positions` and `obstacles` as they start. Collective.
+std::vector<double> lifts_of(const Cloth& cloth, std::span<const Vec3> positions, const Obstacles& obstacles);
 
 } // namespace taut::command

@@ -4,13 +4,15 @@
 #include "src/config/methods.hpp"
 #include "src/output/checkpoint.hpp"
 #include "src/output/frame_formats.hpp"
+#include "src/output/memory.hpp"
 #include "src/output/run_files.hpp"
 #include "src/output/xdmf_sink.hpp"
-#include "src/state/start.hpp"
+#include "src/time/simulation.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -45,6 +47,12 @@ std::string describe_materials(const Case& input) {
                         input.cloths.size() > 1 ? config::name_of_cloth(input, k) + ": " : "",
                         input.cloths[k].fabric ? *input.cloths[k].fabric + ", " : "", m.density, m.bending,
                         m.shear);
+    for (const auto& [name, panel] : input.cloths[k].panels) {
+      const config::Material own = config::material_of(m, panel);
+      if (own != m)
+        text += fmt::format("    {:<10}{}{:g} kg/m^2, bending {:g} N m, shear {:g} N/m\n", name,
+                            panel.fabric ? *panel.fabric + ", " : "", own.density, own.bending, own.shear);
+    }
   }
   return text;
 }
@@ -126,10 +134,26 @@ std::string describe_run(const fs::path& folder) {
   return text;
 }
 
-std::string describe_case(MPI_Comm comm, const fs::path& file) {
-  const Case input = load_case(comm, {file, {}});
-  const Cloth cloth = load_cloth(comm, input);
-  const State state = start_state(cloth, input);
+/// As far as a first step tells: what it takes, contact included, is thrown away.
+std::string describe_cost(MPI_Comm comm, const Case& input, Simulation& simulation) {
+  const double began = MPI_Wtime();
+  const StepReport step = simulation.trial_step();
+  const double seconds = MPI_Wtime() - began, memory = sum_over(comm, peak_memory());
+  const StepSize& steps = simulation.step_size();
+  const double length = steps.choose(0, 1).dt;
+  const auto count = Global(std::ceil(steps.frame_time(steps.frames()) / length - 1e-6));
+  return fmt::format(
+      "  cost        {:.0f} MB; at least {} steps for {} frames, of which the first takes {:.2g} s: "
+      "velocity {:.2g}, projection {:.2g}, contact {:.2g}; later ones may take several times as long\n{}",
+      memory / 1e6, count, steps.frames(), seconds, step.velocity_seconds, step.projection_seconds,
+      step.contact_seconds, input.sewing ? "              not counted: sewing comes first\n" : "");
+}
+
+std::string describe_case(MPI_Comm comm, const CaseSource& source) {
+  const Case input = load_case(comm, source);
+  Simulation simulation(comm, input);
+  const Cloth& cloth = simulation.cloth();
+  const State& state = simulation.state();
   const DistributedMesh& mesh = cloth.mesh;
   std::array<double, 6> extent;
   extent.fill(-HUGE_VAL);
@@ -155,25 +179,29 @@ std::string describe_case(MPI_Comm comm, const fs::path& file) {
       "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}{}{}"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
       "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
-      "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n",
-      file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
+      "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n{}",
+      source.file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
       length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, describe_materials(input),
       describe_method(input), -extent[0], extent[3], -extent[1], extent[4], -extent[2], extent[5], yarns,
       double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
       length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
-      mesh.report.ghosts_max);
+      mesh.report.ghosts_max, describe_cost(comm, input, simulation));
 }
 
 } // namespace
 
-int info(MPI_Comm comm, const fs::path& path) {
+int info(MPI_Comm comm, const CaseSource& source) {
+  const fs::path& path = source.file;
   const bool is_run = broadcast(comm, [&] {
                         if (!fs::exists(path))
                           throw InputError(fmt::format("{}: there is no such file or folder", path.string()));
                         return std::string(fs::is_directory(path) ? "run" : "case");
                       }) == "run";
+  if (is_run && !source.overrides.empty())
+    throw InputError(fmt::format("--set {}: is for a case; {} is a run, whose keys are what they were",
+                                 source.overrides[0].key, path.string()));
   const std::string text =
-      is_run ? broadcast(comm, [&] { return describe_run(path); }) : describe_case(comm, path);
+      is_run ? broadcast(comm, [&] { return describe_run(path); }) : describe_case(comm, source);
   if (rank_of(comm) == 0) fmt::print("{}", text);
   return success;
 }

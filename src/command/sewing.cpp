@@ -3,6 +3,7 @@
 #include "src/command/garment_lift.hpp"
 #include "src/command/run_folder.hpp"
 #include "src/command/run_lock.hpp"
+#include "src/command/sewing_cases.hpp"
 #include "src/command/start_contact.hpp"
 #include "src/command/warnings.hpp"
 #include "src/config/cloths.hpp"
@@ -20,11 +21,6 @@ namespace taut::command {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Where keyframes are at time 0.
-void hold_first(std::vector<config::Keyframe>& motion) {
-  if (!motion.empty()) motion.resize(1);
-}
 
 /// The positions of the vertices of one piece, in order, on rank 0.
 std::vector<Vec3> positions_of(const Cloth& cloth, const State& state, const Piece& piece) {
@@ -51,8 +47,7 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
   const Cloth& cloth = ended.cloth();
   const MPI_Comm comm = cloth.mesh.comm;
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
-    const auto [name, mesh] =
-        garment::load_garment(comm, input.folder() / *input.cloths[k].pattern, *input.cloths[k].edge);
+    const auto [name, mesh] = garment::load_garment(comm, input, k);
     const auto positions = positions_of(cloth, ended.state(), cloth.pieces[k]);
     garment::SewnMesh sewn;
     on_rank_0(comm, [&, &mesh = mesh, &name = name] {
@@ -68,103 +63,10 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
   }
 }
 
-/// The case with these meshes in the place of its patterns.
-Case with_meshes(Case input, std::span<const fs::path> meshes) {
-  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
-    config::Cloth& cloth = input.cloths[k];
-    cloth.mesh = meshes[k];
-    cloth.pattern.reset();
-    cloth.edge.reset();
-    cloth.elastic.clear();
-    cloth.up.reset();
-    cloth.scale = 1;
-    cloth.start = {};
-  }
-  return input;
-}
-
-/// As a body of triangles, which can be slim.
-void make_mesh(config::Obstacle& o) {
-  constexpr double fine = 0.2; // edges over radius
-  if (!o.sphere && !o.capsule) return;
-  o.joined =
-      config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
-  o.sphere.reset();
-  o.capsule.reset();
-}
-
-/// What is left to the edges of the patterns. Folds of cloth take some room where a body faces itself; layers
-/// as thick as in other cases would be pinched there.
-void fill_in(Case& input) {
-  constexpr double room = 1.5, thickness = 0.03; // edges
-  double finest = HUGE_VAL;                      // m
-  for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
-  for (config::Obstacle& o : input.obstacles)
-    if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
-  if (!input.has_contact()) return;
-  if (!input.contact) input.contact.emplace();
-  for (config::Cloth& c : input.cloths)
-    if (!input.contact->thickness && !c.thickness) c.thickness = thickness * *c.edge;
-}
-
-/// What both stages have: no motion but that of sewing.
-Case in_peace(Case input) {
-  const config::Sewing& sewing = *input.sewing;
-  input.air.reset();
-  input.attachments.clear();
-  input.time.until_rest.reset();
-  if (input.contact) input.contact->friction = 0;
-  for (config::Cloth& c : input.cloths) {
-    c.material.damping.mass += sewing.damping;
-    c.material.bending = std::max(c.material.bending, sewing.bending);
-    if (auto& weft = c.material.bending_weft) weft = std::max(*weft, sewing.bending);
-  }
-  for (config::Pin& pin : input.pins) {
-    hold_first(pin.motion);
-    pin.release.reset();
-  }
-  for (config::Obstacle& o : input.obstacles) {
-    make_mesh(o);
-    hold_first(o.motion);
-    o.sequence.reset();
-    o.friction = 0;
-  }
-  return input;
-}
-
-void let_grow(Case& input, double growth) {
-  for (config::Obstacle& o : input.obstacles) o.growth = growth;
-}
-
-Case sewing_case(const Case& input) {
-  Case stage = in_peace(input);
-  stage.time.end = input.sewing->limit;
-  // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
-  // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
-  stage.inextensibility.constrain = config::Constrain::edges;
-  for (config::Cloth& c : stage.cloths)
-    c.material.stretch =
-        std::max(c.material.stretch.value_or(0), input.sewing->force / input.inextensibility.strain);
-  let_grow(stage, HUGE_VAL);
-  return stage;
-}
-
-Case fitting_case(const Case& input, const fs::path& out) {
-  Case stage = with_meshes(in_peace(input), meshes_after(SewingStage::sewing, input, out));
-  stage.time.end = input.sewing->growth;
-  // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.
-  constexpr double sinking = 0.06, damping = 15; // m/s, 1/s
-  stage.gravity = Vec3(sinking * damping * input.gravity.at(0).stableNormalized());
-  for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
-  stage.sewing.reset();
-  let_grow(stage, input.sewing->growth);
-  return stage;
-}
-
 /// A body that stands somewhere else than its garment, or lies, comes of units and axes.
-void check_place(const Case& input, const Simulation& simulation) {
+void check_place(const Case& input, const Simulation& simulation, const Obstacles& obstacles) {
   constexpr double farthest = 1; // m
-  const auto places = simulation.obstacles().start();
+  const auto places = obstacles.start();
   if (places.empty()) return;
   const DistributedMesh& mesh = simulation.cloth().mesh;
   std::array<double, 6> extent;
@@ -200,6 +102,13 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
   return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
 }
 
+/// What is wrong with the last stage is told before the first.
+Case checked_and_ready(MPI_Comm comm, const Case& input) {
+  const Simulation unsewn(comm, input);
+  warn_of_start(unsewn, input);
+  return ready_to_sew(unsewn, input);
+}
+
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
@@ -219,11 +128,12 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 
 } // namespace
 
-Case ready_to_sew(MPI_Comm comm, Case input) {
+Case ready_to_sew(const Simulation& unsewn, Case input) {
   fill_in(input);
-  const Simulation simulation(comm, sewing_case(input));
-  check_place(input, simulation);
-  const std::vector<double> lifts = lifts_of(simulation);
+  const MPI_Comm comm = unsewn.cloth().mesh.comm;
+  const Obstacles slim(comm, sewing_case(input));
+  check_place(input, unsewn, slim);
+  const std::vector<double> lifts = lifts_of(unsewn.cloth(), unsewn.state().positions, slim);
   for (std::size_t k = 0; k < lifts.size(); ++k) {
     if (lifts[k] == 0) continue;
     input.cloths[k].start.translate += lifts[k] * Vec3::UnitZ();
@@ -245,7 +155,8 @@ fs::path folder_of(SewingStage stage, const fs::path& out) {
 }
 
 Case case_of(SewingStage stage, const Case& input, const fs::path& out) {
-  return stage == SewingStage::sewing ? sewing_case(input) : fitting_case(input, out);
+  return stage == SewingStage::sewing ? sewing_case(input)
+                                      : fitting_case(input, meshes_after(SewingStage::sewing, input, out));
 }
 
 bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, const fs::path& out) {
@@ -255,8 +166,7 @@ bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, c
 
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
-  warn_of_start(Simulation(comm, given), given); // what is wrong with the last stage is told before the first
-  const Case input = ready_to_sew(comm, given);
+  const Case input = checked_and_ready(comm, given);
   const Case stage = sewing_case(input);
   Simulation simulation(comm, stage);
   try_petsc_options(simulation, input, options.source.petsc);
@@ -274,7 +184,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
   const fs::path& out = options.out;
   write_meshes_after(before, input, ended, out);
   if (before == SewingStage::sewing && !input.obstacles.empty()) {
-    const Case stage = fitting_case(input, out);
+    const Case stage = fitting_case(input, meshes_after(SewingStage::sewing, input, out));
     Simulation simulation(comm, stage);
     if (!clear_stage(SewingStage::fitting, simulation, stage, out)) return step_failure;
     const int code = run_stage(SewingStage::fitting, stage, simulation, comm, input, options, stop, began);

@@ -17,9 +17,9 @@ std::filesystem::path folder_of(SewingStage stage, const std::filesystem::path& 
 /// The case of a stage: in a vacuum, without friction; pins and obstacles as at time 0.
 Case case_of(SewingStage stage, const Case& input, const std::filesystem::path& out);
 
-/// With all that the case leaves open, and every garment where its seams pass the bodies. Throws InputError
-/// where they are not together. Collective.
-Case ready_to_sew(MPI_Comm comm, Case input);
+/// With all that the case leaves open, and every garment where its seams pass the bodies; `unsewn` is the
+/// case at its start. Throws InputError where they are not together. Collective.
+Case ready_to_sew(const Simulation& unsewn, Case input);
 
 /// Makes the start of a stage sound: panels must be, as they are placed; what the weld of a garment took
 /// through something or strained is mended. False if it cannot be, which is told. Collective.

@@ -22,8 +22,10 @@ bool untangle_start(Simulation& simulation, const Case& input, const std::filesy
   const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
   const auto tell = [&](const Untangled& so_far) {
     if (!speaks || so_far.rounds % rounds_told != 0) return;
-    fmt::print("{}: untangling the start: {} intersections left after {} rounds\n", input.name, so_far.left,
-               so_far.rounds);
+    const std::string left = so_far.left > 0 ? fmt::format("{} intersections left", so_far.left)
+                                             : fmt::format("strained by {:.3g} %", 100 * so_far.strain);
+    fmt::print("{}: untangling the start: {} after {} rounds of at most {}\n", input.name, left,
+               so_far.rounds, most_untangling_rounds);
     std::fflush(stdout);
   };
   Untangled untangled = untangle(simulation, input, tell);

@@ -51,16 +51,20 @@ void add_scale(const Simulation& simulation, const Case&, Warnings& warnings) {
                     width));
 }
 
-void add_density(const Simulation& simulation, const Case& input, Warnings& warnings) {
+void add_density(const Simulation&, const Case& input, Warnings& warnings) {
   constexpr double lightest = 3e-3, heaviest = 5; // kg/m^2
-  const auto& pieces = simulation.cloth().pieces;
-  for (std::size_t k = 0; k < pieces.size(); ++k)
-    if (const double density = pieces[k].material.density;
-        !input.cloths[k].line && (density < lightest || density > heaviest))
+  const auto check = [&](std::size_t k, const std::string& key, double density) {
+    if (!input.cloths[k].line && (density < lightest || density > heaviest))
       warnings.push_back(
-          fmt::format("{}.material.density: no fabric weighs {:.3g} kg/m^2; they are between {:g} "
-                      "and {:g}; g/m^2 is a unit too",
-                      config::key_of_cloth(input, k), density, lightest, heaviest));
+          fmt::format("{}.{}material.density: no fabric weighs {:.3g} kg/m^2; they are between "
+                      "{:g} and {:g}; g/m^2 is a unit too",
+                      config::key_of_cloth(input, k), key, density, lightest, heaviest));
+  };
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    check(k, "", input.cloths[k].material.density);
+    for (const auto& [name, panel] : input.cloths[k].panels)
+      if (panel.material.density) check(k, fmt::format("panels.{}.", name), *panel.material.density);
+  }
 }
 
 void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,6 +81,22 @@ struct Elastic {
   bool operator==(const Elastic&) const = default;
 };
 
+/// What a panel has of its own; what is absent is that of its cloth.
+struct PanelMaterial {
+  std::optional<double> density;                      ///< kg/m^2
+  std::optional<double> bending, bending_weft, twist; ///< N m
+  std::optional<double> shear, stretch, stretch_weft; ///< N/m
+  bool operator==(const PanelMaterial&) const = default;
+};
+
+/// One panel of a pattern.
+struct Panel {
+  std::optional<double> edge;        ///< m, of its mesh; absent: that of the pattern, or of the cloth
+  std::optional<std::string> fabric; ///< its values stand in `material` already
+  PanelMaterial material;
+  bool operator==(const Panel&) const = default;
+};
+
 /// One cloth of a case.
 struct Cloth {
   std::optional<std::string> name; ///< for messages and pins; absent: its number
@@ -89,6 +106,7 @@ struct Cloth {
   std::optional<std::filesystem::path> pattern; ///< as written
   std::optional<double> edge;                   ///< m, of the mesh of the pattern; there if that is
   std::vector<Elastic> elastic;                 ///< of the pattern
+  std::map<std::string, Panel> panels;          ///< by name
   double scale = 1;                             ///< m per unit of the mesh and of `start.shape`
   RestShape rest = RestShape::mesh;             ///< of faces
   double texture_unit = 1;                      ///< m per unit of texture, where that is the rest shape

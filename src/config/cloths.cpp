@@ -74,6 +74,23 @@ std::string name_of_cloth(const Case& input, std::size_t k) {
   return input.cloths[k].name.value_or(fmt::format("cloth {}", k));
 }
 
+Material material_of(const Material& cloth, const Panel& panel) {
+  Material m = cloth;
+  if (panel.fabric) {
+    m.bending_weft.reset();
+    m.twist.reset();
+  }
+  const PanelMaterial& own = panel.material;
+  m.density = own.density.value_or(m.density);
+  m.bending = own.bending.value_or(m.bending);
+  m.shear = own.shear.value_or(m.shear);
+  if (own.bending_weft) m.bending_weft = own.bending_weft;
+  if (own.twist) m.twist = own.twist;
+  if (own.stretch) m.stretch = own.stretch;
+  if (own.stretch_weft) m.stretch_weft = own.stretch_weft;
+  return m;
+}
+
 std::string key_of_cloth(const Case& input, std::size_t k) {
   return input.cloths.size() == 1 ? "cloth" : fmt::format("cloths.{}", k);
 }

@@ -10,6 +10,10 @@ std::optional<std::size_t> find_cloth(const Case& input, const std::string& name
 /// Its name, or "cloth 1".
 std::string name_of_cloth(const Case& input, std::size_t k);
 
+/// What a panel of a cloth is made of. A fabric of its own has no stiffnesses of weft and twist from the
+/// cloth.
+Material material_of(const Material& cloth, const Panel& panel);
+
 /// Where the keys of a cloth stand: "cloth", or "cloths.1".
 std::string key_of_cloth(const Case& input, std::size_t k);
 

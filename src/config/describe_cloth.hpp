@@ -124,6 +124,35 @@ void describe(V& v, Is<Elastic> auto& e) {
 }
 
 template<class V>
+void describe(V& v, Is<PanelMaterial> auto& m) {
+  const auto add = [&](std::string_view name, auto& value, Unit unit, const Range& range,
+                       std::string_view meaning) {
+    v(name, value, {.unit = unit, .range = range, .computed_default = "of the cloth", .meaning = meaning});
+  };
+  add("density", m.density, Unit::cloth_density, at_least(1e-6), "mass per area");
+  add("bending", m.bending, Unit::cloth_bending, not_negative, "bending stiffness");
+  add("bending_weft", m.bending_weft, Unit::cloth_bending, not_negative, "bending stiffness of weft threads");
+  add("twist", m.twist, Unit::cloth_bending, not_negative, "twist stiffness of quads");
+  add("shear", m.shear, Unit::newton_per_metre, not_negative, "shear stiffness, per radian of shear angle");
+  add("stretch", m.stretch, Unit::cloth_stretch, not_negative,
+      "stretch stiffness of warp and weft, per strain");
+  add("stretch_weft", m.stretch_weft, Unit::cloth_stretch, not_negative, "stretch stiffness of weft threads");
+}
+
+template<class V>
+void describe(V& v, Is<Panel> auto& p) {
+  v("edge", p.edge,
+    {.unit = Unit::metre,
+     .range = positive,
+     .computed_default = "of the pattern, or `edge` of the cloth",
+     .meaning = "length of the edges of its mesh"});
+  v("fabric", p.fabric,
+    {.words = fabric_names(),
+     .meaning = "fills its material; keys given there win; else it is as the cloth"});
+  v("material", p.material, {.meaning = "what the panel is made of, where it differs from the cloth"});
+}
+
+template<class V>
 void describe(V& v, Is<Cloth> auto& c) {
   v("name", c.name, {.computed_default = "its number", .meaning = "how pins and messages call it"});
   v.exactly_one({"grid", "line", "mesh", "pattern"});
@@ -140,6 +169,7 @@ void describe(V& v, Is<Cloth> auto& c) {
      .computed_default = "none; a pattern needs it",
      .meaning = "length of the edges of its mesh, where the pattern gives no other"});
   v("elastic", c.elastic, {.meaning = "edges of a pattern that are shorter at rest than they are cut"});
+  v("panels", c.panels, {.meaning = "by name, panels of a pattern that have edges or a fabric of their own"});
   v("scale", c.scale, {.range = positive, .meaning = "metres per unit of the mesh and of start.shape"});
   v("rest", c.rest,
     {.meaning = "where faces have their lengths, warp and weft at rest: the mesh, or its texture coordinates "
@@ -171,6 +201,11 @@ void describe(V& v, Is<Cloth> auto& c) {
           "run is for a pattern; for a mesh give taut run --from FOLDER, or mesh and start.shape");
   v.check("elastic", c.elastic.empty() || c.pattern,
           "is for a pattern; remove it: a mesh that was made with it has it in its rest shape");
+  v.check("panels", c.panels.empty() || c.pattern || c.mesh,
+          "are those of a pattern; remove it, or give cloth.pattern");
+  for (const auto& [name, panel] : c.panels)
+    v.check("panels." + name + ".edge", c.pattern || !panel.edge,
+            "is for a pattern; remove it: the mesh has its edges already");
   v.check("edge", c.pattern || !c.edge, "is for a pattern; remove it, or give cloth.pattern");
 }
 

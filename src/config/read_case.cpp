@@ -67,8 +67,9 @@ std::string default_name(const std::filesystem::path& file) {
 
 /// The material that stands before the keys of `material` are read; an unknown fabric is for the reader to
 /// refuse.
-Material initial_material(const Tree& cloth) {
-  Material material;
+template<class M>
+M initial_material(const Tree& cloth) {
+  M material;
   const Entry* name = cloth.find("fabric");
   if (const Fabric* fabric = name ? find_fabric(name->value.text) : nullptr) {
     material.density = fabric->density;
@@ -110,7 +111,12 @@ void read(const Spot& spot, Gravity& value) {
 }
 
 void read(const Spot& spot, Cloth& value) {
-  value.material = initial_material(spot.tree);
+  value.material = initial_material<Material>(spot.tree);
+  read_keys(spot, value);
+}
+
+void read(const Spot& spot, Panel& value) {
+  value.material = initial_material<PanelMaterial>(spot.tree);
   read_keys(spot, value);
 }
 

@@ -3,6 +3,7 @@
 #include "src/config/values.hpp"
 
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -70,6 +71,7 @@ void read(const Spot& spot, Gravity& value);
 
 /// A fabric fills the material before the keys of that are read.
 void read(const Spot& spot, Cloth& value);
+void read(const Spot& spot, Panel& value);
 
 template<class Choice>
 void read(const Spot& spot, Choice& value) requires std::is_enum_v<Choice> {
@@ -80,6 +82,10 @@ void read(const Spot& spot, Choice& value) requires std::is_enum_v<Choice> {
 
 template<class T>
 void read(const Spot& spot, std::vector<T>& values);
+
+/// Of things by name.
+template<class T>
+void read(const Spot& spot, std::map<std::string, T>& values);
 
 template<class T>
 void read(const Spot& spot, std::optional<T>& value) {
@@ -96,6 +102,14 @@ void read(const Spot& spot, std::vector<T>& values) {
     read(spot.item(i), value);
     values.push_back(std::move(value));
   }
+}
+
+template<class T>
+void read(const Spot& spot, std::map<std::string, T>& values) {
+  if (spot.tree.kind != Tree::Kind::map) fail_type(spot, "a block of names");
+  values.clear();
+  for (const Entry& entry : spot.tree.entries)
+    read(Spot{entry.value, spot.path + "." + entry.key, spot.key}, values[entry.key]);
 }
 
 template<class T>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <initializer_list>
+#include <map>
 
 namespace taut {
 
@@ -88,6 +89,9 @@ Json type_of(const Struct& value, const Key&) requires std::is_class_v<Struct>;
 template<class T>
 Json type_of(const std::vector<T>&, const Key& key);
 
+template<class T>
+Json type_of(const std::map<std::string, T>&, const Key& key);
+
 Json type_of(const Gravity& value, const Key& key) {
   return {{"anyOf", {type_of(Vec3(), key), type_of(value.keyframes, key)}}};
 }
@@ -100,6 +104,11 @@ Json type_of(const std::optional<T>& value, const Key& key) {
 template<class T>
 Json type_of(const std::vector<T>&, const Key& key) {
   return {{"type", "array"}, {"items", type_of(T{}, key)}};
+}
+
+template<class T>
+Json type_of(const std::map<std::string, T>&, const Key& key) {
+  return {{"type", "object"}, {"additionalProperties", type_of(T{}, key)}};
 }
 
 /// Visitor: the schema of one struct; the values it visits are the defaults.

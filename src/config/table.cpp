@@ -59,7 +59,7 @@ std::string type_of(const Json& schema) {
     const std::string items = plural(type_of(schema.at("items")));
     return schema.contains("maxItems") ? schema["minItems"].dump() + " " + items : "list of " + items;
   }
-  if (type == "object") return "block";
+  if (type == "object") return schema.at("additionalProperties").is_object() ? "block of names" : "block";
   if (type == "integer") return "integer" + range_of(schema);
   if (type == "boolean") return "`true`, `false`";
   return schema.contains("enum") ? words_of(schema) : "text";
@@ -91,6 +91,9 @@ void add_rows(std::string& table, const Json& parent, const std::string& path) {
     table += fmt::format("| `{}` | {} | {} | {} | {} |\n", key, type_of(schema), schema.value("x-unit", ""),
                          default_of(schema, need_of(parent, name)), schema.value("description", ""));
     if (schema.contains("properties")) add_rows(table, schema, key + ".");
+    if (const auto of_names = schema.find("additionalProperties");
+        of_names != schema.end() && of_names->is_object())
+      add_rows(table, *of_names, key + ".NAME.");
     for (const Json& form : forms_of(schema))
       if (form.contains("items") && form["items"].contains("properties"))
         add_rows(table, form["items"], key + "[].");

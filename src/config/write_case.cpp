@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <yaml-cpp/yaml.h>
 
 namespace taut {
@@ -54,6 +55,17 @@ void write(YAML::Emitter& out, const std::vector<T>& values) {
   out << YAML::BeginSeq;
   for (const T& value : values) write(out, value);
   out << YAML::EndSeq;
+}
+
+template<class T>
+void write(YAML::Emitter& out, const std::map<std::string, T>& values) {
+  if (values.empty()) out << YAML::Flow;
+  out << YAML::BeginMap;
+  for (const auto& [name, value] : values) {
+    out << YAML::Key << name << YAML::Value;
+    write(out, value);
+  }
+  out << YAML::EndMap;
 }
 
 void write(YAML::Emitter& out, const Gravity& value) {

@@ -9,20 +9,20 @@
 namespace taut {
 
 DiagonalSprings::DiagonalSprings(const Cloth& cloth, const Pattern& pattern,
-                                 const PerPiece<double>& stiffness, const PerPiece<double>& damping)
+                                 const PerSection<double>& stiffness, const PerPiece<double>& damping)
     : cloth_(cloth) {
   for (std::size_t c = 0; c < cloth.mesh.cells.size(); ++c) {
     const LocalCell& cell = cloth.mesh.cells[c];
     const auto& v = cell.vertices;
-    const std::size_t piece = cloth.piece_of(v[0]);
-    if (cell.size() != 4 || !stiffness.of(piece)) continue;
+    const auto& k_shear = stiffness.of(cloth.section_of(cloth.mesh.cell_originals[c]));
+    if (cell.size() != 4 || !k_shear) continue;
     const std::array<Vec3, 4> rest = corners_at_rest(cloth.mesh, c);
     const double area = 0.5 * (rest[2] - rest[0]).cross(rest[3] - rest[1]).norm();
     for (const int k : {0, 1}) {
       const std::array<Local, 2> ends{v[k], v[k + 2]};
       const double length = (rest[k + 2] - rest[k]).norm();
-      springs_.push_back({ends, length, *stiffness.of(piece) * length * length / (2 * area),
-                          damping.of(piece).value_or(0), pattern.slots<2>(ends)});
+      springs_.push_back({ends, length, *k_shear * length * length / (2 * area),
+                          damping.of(cloth.piece_of(v[0])).value_or(0), pattern.slots<2>(ends)});
     }
   }
 }

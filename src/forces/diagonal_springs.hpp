@@ -11,8 +11,8 @@ namespace taut {
 class DiagonalSprings : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s,
-  /// along the springs; pieces without a stiffness are left out.
-  DiagonalSprings(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+  /// along the springs; sections without a stiffness are left out.
+  DiagonalSprings(const Cloth& cloth, const Pattern& pattern, const PerSection<double>& stiffness,
                   const PerPiece<double>& damping);
 
   std::string_view name() const override { return "shear"; }

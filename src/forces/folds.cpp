@@ -146,53 +146,64 @@ double along_edge(const Rigidity& b, const Vec2& run) {
   return b.warp * run[1] * run[1] + b.weft * run[0] * run[0];
 }
 
+/// Between two faces, halfway.
+Rigidity mean(const Rigidity& a, const Rigidity& b) {
+  return {0.5 * (a.warp + b.warp), 0.5 * (a.weft + b.weft), 0.5 * (a.twist + b.twist),
+          0.5 * (a.seam + b.seam)};
+}
+
+bool is_on_seam(const Cloth& cloth, const Hinge& hinge) {
+  const Piece& piece = cloth.pieces[cloth.piece_of(hinge.edge[0])];
+  const auto has = [&](const garment::NamedSeam& s, Local v) {
+    return std::binary_search(s.vertices.begin(), s.vertices.end(),
+                              cloth.mesh.vertices.original[v] - piece.first_vertex);
+  };
+  const auto& seams = piece.parts.seams;
+  return std::any_of(seams.begin(), seams.end(),
+                     [&](const auto& s) { return has(s, hinge.edge[0]) && has(s, hinge.edge[1]); });
+}
+
+/// Of the angle: of the area that the fold has for itself, and what a seam is stiffer.
+double stiffness_of(const HingeStencil& f, const Rigidity& b, double alone, bool on_seam) {
+  const double own = along_edge(b, f.run), squared_length = (f.rest[1] - f.rest[0]).squaredNorm();
+  double stiffness = 0;
+  if (alone >= 1e-6 * f.area) stiffness = own * squared_length / (f.area * f.area) * alone;
+  if (on_seam) stiffness += std::max(b.seam - own, 0.0) * squared_length / f.area;
+  return stiffness;
+}
+
 } // namespace
 
-Folds folds_of(const Cloth& cloth, const PerPiece<Rigidity>& rigidity) {
+Folds folds_of(const Cloth& cloth, const PerSection<Rigidity>& rigidity) {
   const DistributedMesh& mesh = cloth.mesh;
+  const auto rigidity_of = [&](Global cell) { return rigidity.of(cloth.section_of(cell)); };
   Folds folds;
   std::vector<std::int32_t> fold_of_hinge(mesh.hinges.size(), -1);
   std::vector<double> alone; // area that a fold has for itself
   for (std::size_t k = 0; k < mesh.hinges.size(); ++k) {
-    if (!rigidity.of(cloth.piece_of(mesh.hinges[k].edge[0]))) continue;
+    if (!rigidity_of(mesh.hinges[k].cells[0])) continue;
     fold_of_hinge[k] = std::int32_t(folds.hinges.size());
     alone.push_back(folds.hinges.emplace_back(hinge_stencil(mesh, mesh.hinges[k])).area);
   }
   for (const TrianglePatch& patch : triangle_patches(mesh)) {
-    const auto& b = rigidity.of(cloth.piece_of(patch.vertices[0]));
+    TriangleStencil t = stencil_of(patch, mesh, fold_of_hinge);
+    const auto b = rigidity_of(mesh.hinges[std::size_t(patch.hinges[0])].cells[is_left(t, 0) ? 0 : 1]);
     if (!b) continue;
-    TriangleStencil& t = folds.triangles.emplace_back(stencil_of(patch, mesh, fold_of_hinge));
     if (std::max({b->warp, b->weft, b->twist}) > 0) find_rows(t, folds.hinges, *b);
     for (std::size_t k = 0; k < 3 && t.folds[k] >= 0; ++k)
       alone[std::size_t(t.folds[k])] -=
           folds.hinges[std::size_t(t.folds[k])].area_of_side(is_left(t, k) ? 0 : 1);
+    folds.triangles.push_back(t);
   }
-  for (std::size_t k = 0; k < alone.size(); ++k) {
-    HingeStencil& f = folds.hinges[k];
-    if (alone[k] < 1e-6 * f.area) continue;
-    const Rigidity& b = *rigidity.of(cloth.piece_of(f.vertices[0]));
-    f.stiffness = along_edge(b, f.run) * (f.rest[1] - f.rest[0]).squaredNorm() / (f.area * f.area) * alone[k];
+  for (std::size_t k = 0; k < mesh.hinges.size(); ++k) {
+    if (fold_of_hinge[k] < 0) continue;
+    const auto fold = std::size_t(fold_of_hinge[k]);
+    const auto& [left, right] = mesh.hinges[k].cells;
+    const Rigidity b = mean(*rigidity_of(left), *rigidity_of(right));
+    folds.hinges[fold].stiffness =
+        stiffness_of(folds.hinges[fold], b, alone[fold], b.seam > 0 && is_on_seam(cloth, mesh.hinges[k]));
   }
   return folds;
-}
-
-void stiffen_seams(const Cloth& cloth, const PerPiece<double>& stiffness, Folds& folds) {
-  const IndexMap& map = cloth.mesh.vertices;
-  for (HingeStencil& f : folds.hinges) {
-    const std::size_t k = cloth.piece_of(f.vertices[0]);
-    const Piece& piece = cloth.pieces[k];
-    if (!stiffness.of(k)) continue;
-    const auto is_on = [&](const garment::NamedSeam& s, Local v) {
-      return std::binary_search(s.vertices.begin(), s.vertices.end(), map.original[v] - piece.first_vertex);
-    };
-    const auto& seams = piece.parts.seams;
-    if (std::none_of(seams.begin(), seams.end(),
-                     [&](const auto& s) { return is_on(s, f.vertices[0]) && is_on(s, f.vertices[1]); }))
-      continue;
-    const config::Material& m = piece.material;
-    const double own = along_edge({m.bending, m.bending_weft.value_or(m.bending), 0}, f.run);
-    f.stiffness += std::max(*stiffness.of(k) - own, 0.0) * (f.rest[1] - f.rest[0]).squaredNorm() / f.area;
-  }
 }
 
 } // namespace taut

@@ -19,12 +19,14 @@ struct Folds {
   std::vector<TriangleStencil> triangles;
 };
 
-/// Bending stiffness of warp and weft, and of twist, N m.
+/// Bending stiffness of warp and weft, and of twist, N m; and that of folds over seams, where it is larger:
+/// the allowances of a seam lie double there.
 struct Rigidity {
   double warp, weft, twist;
+  double seam = 0;
 };
 
-/// All folds of the pieces that have a rigidity.
+/// All folds of the sections that have a rigidity; all of a piece have one, or none.
 ///
 /// On quads, and triangles beside them, each fold is on its own, with B = (B_warp dv^2 + B_weft du^2) / (du^2
 /// + dv^2) for an edge that runs by (du, dv) in the cloth: an edge along weft folds the warp threads [BW98
@@ -45,10 +47,6 @@ struct Rigidity {
 /// Where each two neighbours are mirror images (any affine picture of equilateral triangles) both are the
 /// plate. At a border, what is not told is what costs least. Eigenvalues of the first are bounded by those of
 /// ordinary triangles, for six vertices on one conic do not tell curvatures apart.
-Folds folds_of(const Cloth& cloth, const PerPiece<Rigidity>& rigidity);
-
-/// Makes the folds over seams as stiff as `stiffness` (N m) of their piece, where they are softer; `folds`
-/// are those of the pieces that have one. The allowances of a seam lie double there.
-void stiffen_seams(const Cloth& cloth, const PerPiece<double>& stiffness, Folds& folds);
+Folds folds_of(const Cloth& cloth, const PerSection<Rigidity>& rigidity);
 
 } // namespace taut

@@ -60,7 +60,7 @@ OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions) {
     const double length = std::max(seam_length_at(cloth, a), seam_length_at(cloth, b));
     const double over = distance / (SeamForce::closed * length);
     if (cloth.mesh.owns_vertex(a) && over > widest.over_closed)
-      widest = {distance, over, map.original[a], map.original[b]};
+      widest = {distance, over, map.original[a], map.original[b], 0.5 * (positions[a] + positions[b])};
   }
   for (const OpenSeam& seam : gather_to_all<OpenSeam>(cloth.mesh.comm, std::span(&widest, 1)))
     if (seam.over_closed > widest.over_closed) widest = seam;

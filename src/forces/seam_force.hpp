@@ -55,6 +55,7 @@ struct OpenSeam {
   double distance = 0;    ///< m
   double over_closed = 0; ///< times the distance at which they count as closed; 0 if there are no seams
   Global vertex = -1, joint = -1;
+  Vec3 place = Vec3::Zero(); ///< m, in the middle
 };
 
 /// The pair that is farthest from being closed. Collective.

@@ -47,13 +47,13 @@ ShearValue evaluate(const ShearStencil& s, const std::array<Vec3, 4>& x) {
   return value;
 }
 
-Shear::Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+Shear::Shear(const Cloth& cloth, const Pattern& pattern, const PerSection<double>& stiffness,
              const PerPiece<double>& damping)
     : cloth_(cloth), stiffness_(stiffness), damping_(damping) {
   const DistributedMesh& mesh = cloth.mesh;
   elements_.reserve(mesh.cells.size());
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (mesh.cells[c].size() > 2 && stiffness.of(cloth.piece_of(mesh.cells[c].vertices[0])))
+    if (mesh.cells[c].size() > 2 && stiffness.of(cloth.section_of(mesh.cell_originals[c])))
       elements_.push_back({Local(c), pattern.slots<4>(corners_of(mesh.cells[c]))});
 }
 
@@ -63,10 +63,10 @@ Shear::Face Shear::face(Local cell) const {
   const auto p = corners_at_rest(mesh, std::size_t(cell));
   const bool quad = mesh.cells[cell].size() == 4;
   const double area = 0.5 * (p[2] - p[0]).cross(p[quad ? 3 : 2] - p[1]).norm();
-  const std::size_t piece = cloth_.piece_of(v[0]);
+  const double stiffness = *stiffness_.of(cloth_.section_of(mesh.cell_originals[std::size_t(cell)]));
   return {
       v, quad ? quad_shear_stencil(p) : triangle_shear_stencil(material_coordinates(mesh, std::size_t(cell))),
-      *stiffness_.of(piece) * area, damping_.of(piece).value_or(0)};
+      stiffness * area, damping_.of(cloth_.piece_of(v[0])).value_or(0)};
 }
 
 double Shear::energy(const State& state) const {

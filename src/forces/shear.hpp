@@ -31,8 +31,8 @@ ShearValue evaluate(const ShearStencil& stencil, const std::array<Vec3, 4>& x);
 class Shear : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s;
-  /// pieces without a stiffness are left out.
-  Shear(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+  /// sections without a stiffness are left out.
+  Shear(const Cloth& cloth, const Pattern& pattern, const PerSection<double>& stiffness,
         const PerPiece<double>& damping);
 
   std::string_view name() const override { return "shear"; }
@@ -55,7 +55,8 @@ private:
   Face face(Local cell) const;
 
   const Cloth& cloth_;
-  PerPiece<double> stiffness_, damping_;
+  PerSection<double> stiffness_;
+  PerPiece<double> damping_;
   std::vector<Element> elements_;
 };
 

@@ -84,10 +84,10 @@ double largest_stretch_change(const Cloth& cloth, std::span<const Tangent> tange
   return max_over(cloth.mesh.comm, largest);
 }
 
-Stretch::Stretch(const Cloth& cloth, const Pattern& pattern, const PerPiece<StretchMaterial>& material)
+Stretch::Stretch(const Cloth& cloth, const Pattern& pattern, const PerSection<StretchMaterial>& material)
     : cloth_(cloth) {
   for (const Tangent& t : tangents_of(cloth))
-    if (const auto& m = material.of(cloth.piece_of(t.stencil.vertices[0])))
+    if (const auto& m = material.of(cloth.section_of(cloth.mesh.cell_originals[t.cell])))
       elements_.push_back({t.stencil, m->stiffness[t.direction] * t.measure, m->target[t.direction],
                            m->damping, pattern.slots<3>(t.stencil.vertices)});
 }

@@ -32,8 +32,8 @@ struct StretchMaterial {
 /// paper, for it is not symmetric.
 class Stretch : public Force {
 public:
-  /// `cloth` and `pattern` must outlive the force; pieces without a material are left out.
-  Stretch(const Cloth& cloth, const Pattern& pattern, const PerPiece<StretchMaterial>& material);
+  /// `cloth` and `pattern` must outlive the force; sections without a material are left out.
+  Stretch(const Cloth& cloth, const Pattern& pattern, const PerSection<StretchMaterial>& material);
 
   std::string_view name() const override { return "stretch"; }
   double energy(const State& state) const override;

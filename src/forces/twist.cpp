@@ -28,13 +28,13 @@ std::array<double, 4> twist_weights(const std::array<Vec3, 4>& x) {
           -scale * without(0, 1, 2)};
 }
 
-Twist::Twist(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+Twist::Twist(const Cloth& cloth, const Pattern& pattern, const PerSection<double>& stiffness,
              const PerPiece<double>& damping)
     : cloth_(cloth), damping_(damping) {
   const DistributedMesh& mesh = cloth.mesh;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const auto& v = mesh.cells[c].vertices;
-    const auto& t = stiffness.of(cloth.piece_of(v[0]));
+    const auto& t = stiffness.of(cloth.section_of(mesh.cell_originals[c]));
     if (mesh.cells[c].size() != 4 || !t) continue;
     const auto rest = corners_at_rest(mesh, c);
     auto weights = twist_weights(rest);

@@ -16,8 +16,8 @@ namespace taut {
 class Twist : public Force {
 public:
   /// `cloth` and `pattern` must outlive the force. `damping` is the stiffness-proportional damping in s;
-  /// pieces without a stiffness are left out.
-  Twist(const Cloth& cloth, const Pattern& pattern, const PerPiece<double>& stiffness,
+  /// sections without a stiffness are left out.
+  Twist(const Cloth& cloth, const Pattern& pattern, const PerSection<double>& stiffness,
         const PerPiece<double>& damping);
 
   std::string_view name() const override { return "twist"; }

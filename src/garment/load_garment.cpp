@@ -6,10 +6,15 @@
 
 namespace taut::garment {
 
-Garment load_garment(MPI_Comm comm, const std::filesystem::path& file, double edge_length) {
+Garment load_garment(MPI_Comm comm, const Case& input, std::size_t k) {
+  const config::Cloth& cloth = input.cloths[k];
+  const auto file = input.folder() / *cloth.pattern;
+  EdgeLengths lengths{*cloth.edge, {}};
+  for (const auto& [name, panel] : cloth.panels)
+    if (panel.edge) lengths.panels[name] = *panel.edge;
   const SewingPattern pattern = read_pattern(comm, file);
   Garment garment{file.string(), {}};
-  on_rank_0(comm, [&] { garment.mesh = mesh_garment(pattern, {edge_length, {}}); });
+  on_rank_0(comm, [&] { garment.mesh = mesh_garment(pattern, lengths); });
   return garment;
 }
 

@@ -1,9 +1,8 @@
 #pragma once
 #include "partition/mesh_slab.hpp"
+#include "src/config/case.hpp"
 #include "src/garment/garment_mesh.hpp"
 #include "src/garment/sewing_pattern.hpp"
-
-#include <filesystem>
 
 namespace taut::garment {
 
@@ -13,10 +12,9 @@ struct Garment {
   GarmentMesh mesh;
 };
 
-/// Meshed with edges about as long as `edge_length` (m) where the pattern says nothing else; panels placed,
-/// not sewn. Rank 0 makes it, so it must fit into its memory. Collective; throws `InputError`, the same on
-/// all ranks.
-Garment load_garment(MPI_Comm comm, const std::filesystem::path& pattern, double edge_length);
+/// The pattern of cloth `k` of a case, meshed with edges about as long as that says; panels placed, not sewn.
+/// Rank 0 makes it, so it must fit into its memory. Collective; throws `InputError`, the same on all ranks.
+Garment load_garment(MPI_Comm comm, const Case& input, std::size_t k);
 
 /// Its mesh in slabs; with `joint` (MeshSlab) if that is asked for. Collective.
 enum class Joints { none, of_seams };

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 namespace taut {
 
 namespace {
@@ -94,6 +96,13 @@ void LinearSolver::leave_room_for_pivots() {
   PC pc = nullptr;
   Mat factor = nullptr;
   check(KSPGetPC(ksp_, &pc));
+  MatSolverType package = nullptr; // options may have chosen another, or none
+  check(PCFactorGetMatSolverType(pc, &package));
+  if (!package || std::string_view(package) != MATSOLVERMUMPS) return;
+  // PETSc names the factor when the solver is set up, after it was made here: too late for its options.
+  Mat matrix = nullptr;
+  check(PCGetOperators(pc, &matrix, nullptr));
+  check(MatSetOptionsPrefixFactor(matrix, name_.c_str()));
   check(PCFactorSetUpMatSolverType(pc));
   check(PCFactorGetMatrix(pc, &factor));
   check(MatMumpsSetIcntl(factor, memory_relaxation, percent));

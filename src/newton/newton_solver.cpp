@@ -86,19 +86,13 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   std::fill(solution_.begin(), solution_.end(), 0.0);
   gcr_.start(weights_);
   SolveReport report;
-  for (bool is_solved = false; !is_solved;) {
-    if (report.iterations == max_iterations) {
-      report.failure = "too many iterations";
-      break;
-    }
+  for (bool is_solved = false; !is_solved && report.iterations < max_iterations;) {
     if (factor_ && report.iterations == most_with_old_factor) renew_factor();
-    find_direction();
+    report.failure = find_direction();
     ++report.iterations;
+    if (!report.failure.empty()) break;
     const double movement = rms(as_vectors(direction_));
-    if (gcr_.step(direction_, product_, solution_, left_) == 0) {
-      report.failure = "no further progress";
-      break;
-    }
+    if (gcr_.step(direction_, product_, solution_, left_) == 0) break; // no further progress
     is_solved = movement <= allowed_movement(goal) && strain(std::span(left_).subspan(3 * n)) <= goal.strain;
   }
   std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
@@ -149,17 +143,23 @@ double NewtonSolver<Set>::strain(std::span<const double> c) const {
   return max_over(cloth_.mesh.comm, largest);
 }
 
-/// The preconditioner for what is left, and its product, in `direction_` and `product_`.
+/// The preconditioner for what is left, and its product, in `direction_` and `product_`. Returns why there is
+/// none.
 template<ConstraintSetInNewton Set>
-void NewtonSolver<Set>::find_direction() {
-  if (!factor_) return precondition();
-  factor_->solve(left_, direction_);
+std::string NewtonSolver<Set>::find_direction() {
+  if (!factor_) {
+    precondition();
+    return "";
+  }
+  if (const SolveReport solved = factor_->solve(left_, direction_); !solved.failure.empty())
+    return solved.failure;
   const auto x = as_vectors(direction_).first(std::size_t(cloth_.mesh.vertices.owned));
   std::copy(x.begin(), x.end(), x_.begin());
   cloth_.mesh.vertex_halo.update(x_);
   begin_product();
   std::copy_n(y_.begin(), x.size(), as_vectors(product_).begin());
   end_product();
+  return "";
 }
 
 /// The same by grids and projections.

@@ -46,7 +46,8 @@ public:
   void factor(const FilteredOperator& stiffness);
 
   /// `r` over owned vertices, in kg m; `c` over owned rows, as the set's residual. `dx` (local, ghosts
-  /// current) and `dmu` (owned rows) are the solution, as far as it was found. Takes one iteration or more.
+  /// current) and `dmu` (owned rows) are the solution, as far as it was found within `max_iterations` and as
+  /// long as there was progress: neither is a failure, that of the factor is. Takes one iteration or more.
   /// Collective.
   SolveReport solve(std::span<const Vec3> r, std::span<const double> c, const Goal& goal, int max_iterations,
                     std::vector<Vec3>& dx, std::vector<double>& dmu);
@@ -65,7 +66,7 @@ private:
   void find_metric();
   void renew_factor();
   std::span<const double> told_apart_compliance();
-  void find_direction();
+  std::string find_direction();
   void precondition();
   void begin_product();
   void end_product();

@@ -2,10 +2,9 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/output/memory.hpp"
 
 #include <nlohmann/json.hpp>
-
-#include <sys/resource.h>
 
 #include <cmath>
 
@@ -14,13 +13,6 @@ namespace taut {
 namespace {
 
 constexpr int bins = 1000;
-
-/// Largest resident size so far, bytes.
-double peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * double(usage.ru_maxrss);
-}
 
 const char* method_name(config::InextensibilityMethod method) {
   return config::words_of(method)[std::size_t(method)].data();

@@ -25,7 +25,28 @@ double measure_of(int size, const std::array<Vec3, 4>& x) {
   }
 }
 
+std::vector<Section> sections_of(std::span<const Piece> pieces) {
+  std::vector<Section> sections;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    Global next = 0; // within the piece
+    for (std::size_t p = 0; p < pieces[k].own.size(); ++p) {
+      const PanelMaterial& panel = pieces[k].own[p];
+      if (panel.first_cell > next) sections.push_back({pieces[k].first_cell + next, k});
+      sections.push_back({pieces[k].first_cell + panel.first_cell, k, p});
+      next = panel.first_cell + panel.cells;
+    }
+    if (next < pieces[k].cells) sections.push_back({pieces[k].first_cell + next, k});
+  }
+  return sections;
+}
+
 } // namespace
+
+std::size_t Cloth::section_of(Global cell) const {
+  const auto after = std::upper_bound(sections.begin(), sections.end(), cell,
+                                      [](Global c, const Section& s) { return c < s.first_cell; });
+  return std::size_t(after - sections.begin()) - 1;
+}
 
 std::size_t Cloth::piece_of_original(Global vertex) const {
   const auto after = std::upper_bound(pieces.begin(), pieces.end(), vertex,
@@ -43,16 +64,24 @@ Cloth make_cloth(DistributedMesh distributed, std::vector<Piece> pieces) {
   Cloth cloth;
   cloth.mesh = std::move(distributed);
   cloth.pieces = std::move(pieces);
+  cloth.sections = sections_of(cloth.pieces);
   const DistributedMesh& mesh = cloth.mesh;
   cloth.measure.assign(mesh.vertices.size(), 0.0);
+  std::vector<double> of_panels(mesh.vertices.size(), 0.0); // kg, beyond the density of the piece
   for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
     const LocalCell& cell = mesh.cells[c];
     const double share = measure_of(cell.size(), corners_at_rest(mesh, c)) / cell.size();
-    for (int k = 0; k < cell.size(); ++k) cloth.measure[cell.vertices[k]] += share;
+    const Section& section = cloth.sections[cloth.section_of(mesh.cell_originals[c])];
+    const double more = cloth.material_of(section).density - cloth.pieces[section.piece].material.density;
+    for (int k = 0; k < cell.size(); ++k) {
+      cloth.measure[cell.vertices[k]] += share;
+      of_panels[cell.vertices[k]] += more * share;
+    }
   }
   mesh.vertex_halo.update(cloth.measure);
+  mesh.vertex_halo.update(of_panels);
   for (Local i = 0; i < mesh.vertices.size(); ++i)
-    cloth.mass.push_back(cloth.pieces[cloth.piece_of(i)].material.density * cloth.measure[i]);
+    cloth.mass.push_back(cloth.pieces[cloth.piece_of(i)].material.density * cloth.measure[i] + of_panels[i]);
   cloth.rest_length = mesh.rest_lengths;
   return cloth;
 }

@@ -5,6 +5,12 @@
 
 namespace taut {
 
+/// A panel that is of another material than its piece.
+struct PanelMaterial {
+  Global first_cell = 0, cells = 0; ///< within the piece
+  config::Material material;
+};
+
 /// One of the cloths of a case. No cell has vertices of two of them.
 struct Piece {
   config::Material material;
@@ -14,6 +20,14 @@ struct Piece {
   bool triangles_only = false;         ///< no quad and no line in it
   garment::NamedParts parts{};         ///< names, of what is numbered within the piece
   std::vector<std::string> warnings{}; ///< of its pattern, on rank 0
+  std::vector<PanelMaterial> own{};    ///< of panels, in the order of their cells
+};
+
+/// Cells in a row that are of one material.
+struct Section {
+  Global first_cell = 0; ///< up to that of the next section
+  std::size_t piece = 0;
+  std::optional<std::size_t> own{}; ///< which of the piece's panels it is, if of another material
 };
 
 /// Two vertices, by original numbers, that an attachment of the case draws together.
@@ -26,6 +40,7 @@ struct Tie {
 struct Cloth {
   DistributedMesh mesh;
   std::vector<Piece> pieces;       ///< at least one
+  std::vector<Section> sections;   ///< all cells, in order
   std::vector<Tie> ties;           ///< all, on every rank
   std::vector<double> measure;     ///< of local vertices: m^2 of cloth (m of line) that belong to each
   std::vector<double> mass;        ///< kg, of local vertices, lumped
@@ -35,6 +50,13 @@ struct Cloth {
   std::size_t piece_of_original(Global vertex) const;
   std::size_t piece_of(Local vertex) const {
     return pieces.size() == 1 ? 0 : piece_of_original(mesh.vertices.original[vertex]);
+  }
+
+  /// The number of the section that a cell, by its original number, belongs to.
+  std::size_t section_of(Global cell) const;
+  const config::Material& material_of(const Section& section) const {
+    const Piece& piece = pieces[section.piece];
+    return section.own ? piece.own[*section.own].material : piece.material;
   }
 };
 

@@ -27,4 +27,8 @@ private:
   bool for_all_ = false;
 };
 
+/// A value for each of Cloth::sections, in the same way.
+template<class T>
+using PerSection = PerPiece<T>;
+
 } // namespace taut

@@ -7,6 +7,7 @@
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/config/require_file.hpp"
+#include "src/config/suggest.hpp"
 #include "src/config/up.hpp"
 #include "src/garment/load_garment.hpp"
 #include "src/garment/sewn_mesh.hpp"
@@ -14,6 +15,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -42,7 +44,7 @@ std::vector<Corners2> rest_shape_of(garment::Garment garment,
 
 NamedMesh load_pattern(MPI_Comm comm, const Case& input, std::size_t k) {
   const config::Cloth& cloth = input.cloths[k];
-  const auto garment = garment::load_garment(comm, input.folder() / *cloth.pattern, *cloth.edge);
+  const auto garment = garment::load_garment(comm, input, k);
   std::vector<Corners2> rest_shape;
   on_rank_0(comm, [&] {
     const auto shorter = garment::shorter_sides(garment.mesh, input, k);
@@ -101,6 +103,31 @@ void rest_in_texture(MPI_Comm comm, double unit, MeshSlab& mesh) {
   mesh.rest_shape = mesh.texture;
 }
 
+/// Of the panels that the case has keys for. Throws InputError for one that the cloth does not have.
+std::vector<PanelMaterial> own_materials(const Case& input, std::size_t k, const Piece& piece) {
+  const auto& panels = piece.parts.panels;
+  std::vector<std::string> names;
+  for (const auto& panel : panels) names.push_back(panel.name);
+  for (const auto& [name, panel] : input.cloths[k].panels)
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      const auto meant = config::nearest(name, names);
+      throw InputError(fmt::format(
+          "{}: {}.panels.{}: the cloth has no such panel{}; {}", input.file.string(),
+          config::key_of_cloth(input, k), name, meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
+          names.empty() ? "it has none" : fmt::format("there are {}", fmt::join(names, ", "))));
+    }
+  std::vector<PanelMaterial> own;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const auto found = input.cloths[k].panels.find(panels[p].name);
+    if (found == input.cloths[k].panels.end()) continue;
+    const config::Material material = config::material_of(piece.material, found->second);
+    const Global end = p + 1 < panels.size() ? panels[p + 1].first_cell : piece.cells;
+    if (material != piece.material)
+      own.push_back({panels[p].first_cell, end - panels[p].first_cell, material});
+  }
+  return own;
+}
+
 } // namespace
 
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
@@ -121,10 +148,11 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
     auto& model = piece.material.bending_model;
     const bool folds = any_of(comm, !mesh.topology.hinges.empty());
     if (!model)
-      model = mesh.topology.has_triangles || (folds && piece.material.bending_weft)
+      model = mesh.topology.has_triangles || (folds && (piece.material.bending_weft || !cloth.panels.empty()))
                   ? config::BendingModel::isometric
                   : config::BendingModel::yarn;
     if (model == config::BendingModel::yarn) mesh.topology.hinges.clear(); // nobody asks for them
+    piece.own = own_materials(input, k, piece);
   }
   all.mesh = meshes.size() == 1 ? std::move(meshes.front()) : join(comm, meshes);
   find_ties(comm, input, all);

@@ -46,6 +46,14 @@ PerPiece<T> per_piece(const Cloth& cloth, Value&& value) {
   return PerPiece<T>(std::move(values));
 }
 
+/// For each section what `value(number of its piece, its material)` says.
+template<class T = double, class Value>
+PerSection<T> per_section(const Cloth& cloth, Value&& value) {
+  std::vector<std::optional<T>> values;
+  for (const Section& s : cloth.sections) values.push_back(value(s.piece, cloth.material_of(s)));
+  return PerSection<T>(std::move(values));
+}
+
 PerPiece<double> damping_of(const Cloth& cloth) {
   return per_piece(cloth, [](std::size_t, const Material& m) { return m.damping.stiffness; });
 }
@@ -67,13 +75,11 @@ double twist_of(const Material& m) { return m.twist.value_or(std::sqrt(m.bending
 /// The folds of the pieces for which `has(number, material)` holds.
 template<class Has>
 Folds folds_where(const Cloth& cloth, Has&& has) {
-  Folds folds = folds_of(
-      cloth, per_piece<Rigidity>(cloth, [&](std::size_t k, const Material& m) {
-        return has(k, m) ? std::optional(Rigidity{m.bending, weft_bending_of(m), twist_of(m)}) : std::nullopt;
-      }));
-  stiffen_seams(cloth, per_piece(cloth, [](std::size_t, const Material& m) { return m.seam_bending; }),
-                folds);
-  return folds;
+  return folds_of(cloth, per_section<Rigidity>(cloth, [&](std::size_t k, const Material& m) {
+                    return has(k, m) ? std::optional(Rigidity{m.bending, weft_bending_of(m), twist_of(m),
+                                                              m.seam_bending.value_or(0)})
+                                     : std::nullopt;
+                  }));
 }
 
 /// Whether the model of piece `k` can do what its material asks of it.
@@ -92,6 +98,9 @@ void check_bending(const Case& input, const Cloth& cloth, std::size_t k) {
   if (model == BendingModel::yarn && material.bending_weft)
     refuse(input, k, "bending_weft",
            "yarn bends all threads alike; use isometric, discrete_shells or baraff_witkin");
+  if (model == BendingModel::yarn && !cloth.pieces[k].own.empty())
+    refuse(input, k, "bending_model",
+           "yarn bends all panels alike; use isometric, discrete_shells or baraff_witkin");
   const auto is_flat = [&] {
     constexpr double flat = 1e-6; // rad
     const auto folds = folds_where(cloth, [&](std::size_t piece, const Material&) { return piece == k; });
@@ -144,7 +153,7 @@ void add_bending(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 
 /// That of quads; triangles have it in their folds.
 void add_twist(const Cloth& cloth, const Pattern& pattern, Forces& forces) {
-  const auto stiffness = per_piece(cloth, [&](std::size_t k, const Material& m) -> std::optional<double> {
+  const auto stiffness = per_section(cloth, [&](std::size_t k, const Material& m) -> std::optional<double> {
     return has_cells_of(cloth, k, 4) && twist_of(m) > 0 ? std::optional(twist_of(m)) : std::nullopt;
   });
   if (stiffness.any())
@@ -153,14 +162,14 @@ void add_twist(const Cloth& cloth, const Pattern& pattern, Forces& forces) {
 
 void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
   const auto stiffness = [&](config::ShearModel model) {
-    return per_piece(cloth, [&](std::size_t, const Material& m) {
+    return per_section(cloth, [&](std::size_t, const Material& m) {
       return m.shear_model == model ? std::optional(m.shear) : std::nullopt;
     });
   };
   const auto angles = stiffness(config::ShearModel::baraff_witkin),
              diagonals = stiffness(config::ShearModel::diagonals);
   for (std::size_t k = 0; k < cloth.pieces.size(); ++k)
-    if (diagonals.of(k) && has_cells_of(cloth, k, 3))
+    if (cloth.pieces[k].material.shear_model == config::ShearModel::diagonals && has_cells_of(cloth, k, 3))
       refuse(input, k, "shear_model",
              "diagonals cannot serve this mesh: triangles have none; use baraff_witkin");
   const auto damping = damping_of(cloth);
@@ -177,9 +186,7 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
 /// Newton's method with contact has none: it is the stiffest of forces, linear in the step, and a sheet that
 /// was pressed out of its plane went off at 5 m/s; without it a disc of 259 vertices rests on a ball with
 /// 5e-7 J after 3 s, by Fast Projection with 7e-5. Collective.
-double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
-  const Material& material = cloth.pieces[k].material;
-  if (material.stretch) return *material.stretch;
+double default_stretch(const Cloth& cloth, std::size_t k, const Case& input) {
   if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::edges) return 0;
   const bool has_contact = input.contact_model() == config::ContactModel::constraint;
   if (has_contact && input.inextensibility.method == config::InextensibilityMethod::newton) return 0;
@@ -196,9 +203,10 @@ double stretch_stiffness(const Cloth& cloth, std::size_t k, const Case& input) {
 }
 
 void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
-  const auto materials = per_piece<StretchMaterial>(
+  const auto materials = per_section<StretchMaterial>(
       cloth, [&](std::size_t k, const Material& m) -> std::optional<StretchMaterial> {
-        const double warp = stretch_stiffness(cloth, k, input), weft = m.stretch_weft.value_or(warp);
+        const double warp = m.stretch ? *m.stretch : default_stretch(cloth, k, input),
+                     weft = m.stretch_weft.value_or(warp);
         if (warp <= 0 && weft <= 0) return std::nullopt;
         return StretchMaterial{{warp, weft}, m.stretch_target, m.damping.stiffness};
       });
@@ -210,7 +218,7 @@ void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, 
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input,
                    std::span<const Vec3> start) {
   Forces forces;
-  // What is made of the weight, as stretch_stiffness, is the same while the cloth is sewn.
+  // What is made of the weight, as default_stretch, is the same while the cloth is sewn.
   forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? config::Gravity(input.sewing->gravity)
                                                                  : input.gravity));
   add_bending(cloth, pattern, input, forces);

@@ -152,6 +152,10 @@ bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepRe
                     contact_ ? most_iterations_in_contact : most_iterations, dx_, change_);
   ++report.iterations;
   report.linear_iterations += solved.iterations;
+  if (!solved.failure.empty()) {
+    report.failure = "the factor of Newton's linear system failed: " + solved.failure;
+    return false;
+  }
   if (solved.iterations == most_iterations && !contact_) {
     report.failure = fmt::format("Newton's linear solver did not converge in {} iterations", most_iterations);
     return false;

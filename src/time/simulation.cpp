@@ -131,8 +131,8 @@ Relaxed Simulation::relax() {
   return result;
 }
 
-void Simulation::trial_step() {
-  attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
+StepReport Simulation::trial_step() {
+  return attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt).report;
 }
 
 /// Proposes the state after `dt` in `candidate_`; the present state stays as it is.

@@ -44,8 +44,8 @@ public:
   static constexpr double most_strain_of_start = 0.5;
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
-  /// options. Collective.
-  void trial_step();
+  /// options. Returns what it took. Collective.
+  StepReport trial_step();
 
   const Cloth& cloth() const { return cloth_; }
   const Obstacles& obstacles() const { return obstacles_; }

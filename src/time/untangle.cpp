@@ -10,7 +10,6 @@ namespace taut {
 
 namespace {
 
-constexpr int most_rounds = 100;
 constexpr double strain_left = 0.5; ///< of the limit, by a projection
 
 /// Keeps the lengths of edges where there is a limit for them.
@@ -75,7 +74,7 @@ Untangled untangle(const Simulation& simulation, const Case& input,
   };
   measure();
   if (result.left == 0) return Untangled{.state = simulation.state()};
-  while (!result.succeeded() && result.rounds < most_rounds) {
+  while (!result.succeeded() && result.rounds < most_untangling_rounds) {
     if (result.left > 0) {
       const std::vector<Vec3> moves = untangler.find(x, bodies);
       for (Local i = 0; i < cloth.mesh.vertices.owned; ++i)

@@ -5,6 +5,9 @@
 
 namespace taut {
 
+/// Whatever is not untangled then will not be.
+inline constexpr int most_untangling_rounds = 100;
+
 /// What became of a start that intersects.
 struct Untangled {
   State state;         ///< the start, its free vertices moved

@@ -517,6 +517,13 @@ class PetscOptions(Folder):
         self.assertEqual(code, 2, stderr)
         self.assertIn("taut: the options -velocity_...: ", stderr)
 
+    def test_of_the_factor(self):
+        for method in ("newton", "icd"):
+            chosen = ("--set", f"inextensibility={{method: {method}, solver: mumps}}")
+            self.assertEqual(super().run_case("--overwrite", *chosen, "--", "-kkt_mat_mumps_icntl_14", "50"), (0, ""))
+        code, stderr = super().run_case("--overwrite", *chosen, "--", "-kkt_mat_mumps_nonsense", "50")
+        self.assertEqual(code, 2, stderr)
+
     def test_of_the_case(self):
         code, stderr = self.run_case("--set", "petsc=-velocity_ksp_rtol 1e-9 -velocity_nonsense 3")
         self.assertEqual(code, 2)

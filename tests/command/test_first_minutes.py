@@ -43,6 +43,18 @@ class FirstMinutes(running.Folder):
         self.assertIn("material    denim, ", out)
         self.assertRegex(out, r"cost .* contact \d+\.\d\d, output")
 
+    def test_info_tells_what_a_case_will_cost(self):
+        out, _ = self.said("info", "case.yaml", "--set", "cloth.grid.vertices=[9, 9]", "--set", "contact={}", *SHORT)
+        self.assertIn(" 81 vertices, 64 cells, 144 constrained edges ", out)
+        self.assertRegex(out, r"\n  cost        \d+ MB; at least [1-9]\d* steps for 1 frames, of which the first takes "
+                              r"\S+ s: velocity \S+, projection \S+, contact \S+; later ones may")
+
+    def test_untangling_tells_how_far_it_is(self):
+        box = "obstacles=[{box: {min: [0.3, 0.3, -0.2], max: [0.7, 0.7, 0]}, " \
+              "start: {rotate: {axis: [0, 0, 1], angle: 20 deg}, translate: [0, 0, 0.01]}}]"
+        out, _ = self.said("check", "case.yaml", "--thorough", "--set", box, "--set", "contact.start=untangle")
+        self.assertRegex(out, r"(?m)^small: untangling the start: \d+ intersections left after 5 rounds of at most 100")
+
     def test_partition_gives_a_verdict(self):
         self.assertIn("verdict: 30 vertices a rank are few", self.said("partition", "case.yaml", "--ranks", "4")[0])
         out, _ = self.said("partition", "case.yaml", "--ranks", "4", "--set", "cloth.grid.vertices=[120, 120]")

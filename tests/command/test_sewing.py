@@ -23,7 +23,7 @@ stitches:
 """
 CASE = """\
 name: tube
-cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton}
+cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton, panels: {back: {fabric: denim}}}
 obstacles: [{capsule: {from: [0, 0, -0.3], to: [0, 0, 0.5], radius: 4 cm}}]
 pins: [{label: waist, plane: [0, 0, 1]}]
 sewing: {time: 0.4, force: 20, limit: 2, damping: 20, growth: 0.3}
@@ -78,6 +78,8 @@ class Sewing(Temporary):
         waist = sewn["labels/vertices"]
         np.testing.assert_allclose(sewn["rest_positions"][waist, 2], 0.2, atol=2e-3)
         last = last_frame(run)
+        out = self.taut("info", "run/case.yaml")[1]
+        self.assertIn(f"{0.04 * 0.1503 + 0.04 * 0.324:.4g} kg", out)  # cotton and denim
         around = np.linalg.norm(last["positions"][:, :2], axis=1)
         np.testing.assert_allclose(last["clearance"], around - 0.04, atol=1e-6)
         texture = sewn["texture_of_vertices"]
@@ -146,7 +148,15 @@ class Sewing(Temporary):
     def test_a_seam_that_cannot_close_is_named(self):
         code, _, err = self.taut("run", "case.yaml", "--set", "sewing.force=0.001", "--set", "sewing.limit=0.4")
         self.assertEqual(code, 3)
-        self.assertRegex(err, r"seam front\.[13]-back\.[13] is still open by [0-9.]+ mm")
+        self.assertRegex(err, r"seam front\.[13]-back\.[13] is still open by [0-9.]+ mm "
+                              r"at \([-0-9.e]+, [-0-9.e]+, [-0-9.e]+\) m")
+
+    def test_uneven_seams_are_warned_of_before_anything_is_sewn(self):
+        (self.folder / "long.yaml").write_text(PATTERN.replace("0.2]", "0.45]", 2))
+        code, out, err = self.taut("check", "case.yaml", "--set", "cloth.pattern=long.yaml")
+        self.assertEqual(code, 0)
+        self.assertRegex(err, r"long\.yaml:6:5: seam front\.1-back\.3 joins edges of 0\.45 m and 0\.2 m, "
+                              r"gathered 2\.2 : 1")
 
     def test_the_dressed_state_begins_another_run_and_goes_out(self):
         run = self.sewn("run")

@@ -4,7 +4,9 @@
 #include "src/linear/kkt_system.hpp"
 #include "src/newton/newton_solver.hpp"
 #include "tests/force_bed.hpp"
+#include "tests/petsc_options.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -146,6 +148,20 @@ TYPED_TEST(NewtonSolvers, SolveTheWholeSystemOnAnyPartition) {
       EXPECT_LE(report.iterations, most);
     }
   });
+}
+
+// MUMPS may run out of memory, and its place may be taken by what does not solve.
+TYPED_TEST(NewtonSolvers, TellWhyTheFactorFailed) {
+  const OptionsInForce options(
+      {{"-kkt_ksp_type", "gmres"}, {"-kkt_pc_type", "none"}, {"-kkt_ksp_max_it", "1"}});
+  Stretched<TypeParam> t(serial(sheet<TypeParam>));
+  std::vector<double> c(t.set.rows(), 1.0), dmu(t.set.rows());
+  std::vector<Vec3> dx(t.bed.cloth.mesh.vertices.size());
+  const std::vector<Vec3> moved(t.bed.cloth.mesh.vertices.owned, Vec3::Zero());
+  NewtonSolver<TypeParam> solver(t.bed.cloth, t.bed.pattern, t.set, mumps);
+  solver.factor(t.stiffness);
+  EXPECT_THAT(solver.solve(t.right_hand_side(), c, {1e-6, 1e-6, moved, 1e-2}, 100, dx, dmu).failure,
+              testing::HasSubstr("DIVERGED_ITS"));
 }
 
 // How far forces would move the cloth is told without solving for it, to a factor.

@@ -3,6 +3,8 @@
 #include "partition/join.hpp"
 #include "src/contact/thickness.hpp"
 #include "src/state/start.hpp"
+#include "tests/folder.hpp"
+#include "tests/garment/patterns.hpp"
 #include "tests/simulate.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +33,7 @@ MeshSlab whole_of(const std::vector<MeshSlab>& meshes) {
 }
 
 auto as_tuple(const Spoke& s) { return std::tuple(s.centre, s.neighbour, s.edge, s.cells); }
-auto as_tuple(const EdgeFaces& h) { return std::tuple(h.low, h.high, h.left, h.right); }
+auto as_tuple(const EdgeFaces& h) { return std::tuple(h.low, h.high, h.left, h.right, h.cells); }
 
 template<class T>
 auto tuples(const std::vector<T>& items) {
@@ -169,6 +171,53 @@ TEST(Cloths, MassesAreOfTheirMaterial) {
   sum_in_place(world, mass);
   EXPECT_NEAR(mass[0], 0.2 * 0.04, 1e-15);
   EXPECT_NEAR(mass[1], 0.35 * 0.04, 1e-15);
+}
+
+// Two panels that are not sewn are as two cloths.
+TEST(Cloths, PanelsAreOfTheirOwnMaterialAndEdges) {
+  const Folder folder;
+  const std::string a = rectangle("a", 0.2, 0.3),
+                    b = rectangle("b", 0.3, 0.2, "    translation: [0, 1, 0]\n");
+  on_rank_0(world, [&] {
+    for (const auto& [name, panels] : {std::pair("a", a), std::pair("b", b), std::pair("both", a + b)})
+      std::ofstream(folder / (name + std::string(".yaml"))) << "panels:\n" << panels;
+  });
+  MPI_Barrier(world);
+  const auto pattern = [&](const char* name) {
+    return fmt::format("pattern: {}, edge: 5 cm", (folder / name).string());
+  };
+  const std::string
+      stiff = "density: 0.4, bending: 2e-3, bending_weft: 1e-3, twist: 5e-4, shear: 40, stretch: 900",
+      rest = "pins: [{box: {min: [-1, -1, 0.18], max: [1, 1, 3]}}]\n"
+             "velocity: {solver: mumps}\ninextensibility: {method: none}\n"
+             "time: {end: 0.2, frame_rate: 10, max_step: 0.01}\n";
+  const std::string soft = "material: {density: 0.1, bending: 1e-5, shear: 5, stretch: 300}";
+  const auto one = positions_of(
+      case_of(fmt::format("cloth: {{{}, {}, panels: {{b: {{edge: 2 cm, material: {{{}}}}}}}}}\n{}",
+                          pattern("both.yaml"), soft, stiff, rest)));
+  const auto two = positions_of(case_of(
+      fmt::format("cloths: [{{{}, {}}}, {{{}, material: {{{}}}}}]\n{}", pattern("a.yaml"), soft,
+                  fmt::format("pattern: {}, edge: 2 cm", (folder / "b.yaml").string()), stiff, rest)));
+  ASSERT_EQ(one.size(), two.size());
+  for (std::size_t k = 0; k < one.size(); ++k) EXPECT_LE((one[k] - two[k]).lpNorm<Eigen::Infinity>(), 1e-9);
+}
+
+TEST(Cloths, PanelsThatAreNotThereAreNamed) {
+  const Folder folder;
+  on_rank_0(world, [&] { std::ofstream(folder / "a.yaml") << "panels:\n" << rectangle("collar", 0.2, 0.3); });
+  MPI_Barrier(world);
+  const auto message = [&](const std::string& panel) -> std::string {
+    try {
+      load_cloth(world, case_of(fmt::format("cloth: {{pattern: {}, edge: 5 cm, panels: {{{}}}}}",
+                                            (folder / "a.yaml").string(), panel)));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  for (const char* panel : {"colar: {fabric: denim}", "colar: {edge: 3 cm}"})
+    EXPECT_THAT(message(panel), testing::HasSubstr("(did you mean 'collar'?)"));
+  EXPECT_EQ(message("collar: {edge: 3 cm, fabric: denim}"), "no error");
 }
 
 TEST(Cloths, PinsCountWithinTheirCloth) {

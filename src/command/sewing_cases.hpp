@@ -1,0 +1,24 @@
+#pragma once
+#include "src/config/case.hpp"
+
+#include <filesystem>
+#include <span>
+
+/// The cases of the stages in which a garment is sewn (sewing.hpp).
+namespace taut::command {
+
+/// Fills in what a case leaves to the edges of its patterns. Folds of cloth take some room where a body faces
+/// itself; layers as thick as in other cases would be pinched there.
+void fill_in(Case& input);
+
+/// The case with these meshes, one a cloth, in the place of its patterns.
+Case with_meshes(Case input, std::span<const std::filesystem::path> meshes);
+
+/// Panels are drawn together around bodies that are slim. In this stage and the next there is no motion but
+/// that of sewing; pins and obstacles are as at time 0.
+Case sewing_case(const Case& input);
+
+/// Bodies grow to their size in the garments that are `sewn`.
+Case fitting_case(const Case& input, std::span<const std::filesystem::path> sewn);
+
+} // namespace taut::command
