@@ -83,7 +83,8 @@ private:
   std::optional<CoarseSystem> coarse_;      ///< of these two one
   std::optional<SaddlePointFactor> factor_; ///< of the system for (dx, -dmu)
   Gcr gcr_;
-  bool is_factored_ = false;
+  bool is_factored_ = false; ///< in this step,
+  bool is_new_ = false;      ///< and since the matrix was taken last
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,
