@@ -42,8 +42,7 @@ config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
 config::LinearSolver default_solver(const Case& input, const Cloth& cloth, config::Constrain constrain) {
   constexpr Global most_vertices = 20000;
   const bool factors = input.inextensibility.method == config::InextensibilityMethod::newton &&
-                       constrain == config::Constrain::vertices &&
-                       cloth.mesh.vertices.total <= most_vertices;
+                       constrain == config::Constrain::vertices && cloth.mesh.vertices.total <= most_vertices;
   return factors ? config::LinearSolver::mumps : config::LinearSolver::cg;
 }
 
