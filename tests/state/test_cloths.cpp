@@ -188,16 +188,16 @@ TEST(Cloths, PanelsAreOfTheirOwnMaterialAndEdges) {
   };
   const std::string
       stiff = "density: 0.4, bending: 2e-3, bending_weft: 1e-3, twist: 5e-4, shear: 40, stretch: 900",
-      rest = "pins: [{box: {min: [-1, -1, 0.18], max: [1, 1, 3]}}]\n"
-             "velocity: {solver: mumps}\ninextensibility: {method: none}\n"
-             "time: {end: 0.2, frame_rate: 10, max_step: 0.01}\n";
+      others = "pins: [{box: {min: [-1, -1, 0.18], max: [1, 1, 3]}}]\n"
+               "velocity: {solver: mumps}\ninextensibility: {method: none}\n"
+               "time: {end: 0.2, frame_rate: 10, max_step: 0.01}\n";
   const std::string soft = "material: {density: 0.1, bending: 1e-5, shear: 5, stretch: 300}";
   const auto one = positions_of(
       case_of(fmt::format("cloth: {{{}, {}, panels: {{b: {{edge: 2 cm, material: {{{}}}}}}}}}\n{}",
-                          pattern("both.yaml"), soft, stiff, rest)));
+                          pattern("both.yaml"), soft, stiff, others)));
   const auto two = positions_of(case_of(
       fmt::format("cloths: [{{{}, {}}}, {{{}, material: {{{}}}}}]\n{}", pattern("a.yaml"), soft,
-                  fmt::format("pattern: {}, edge: 2 cm", (folder / "b.yaml").string()), stiff, rest)));
+                  fmt::format("pattern: {}, edge: 2 cm", (folder / "b.yaml").string()), stiff, others)));
   ASSERT_EQ(one.size(), two.size());
   for (std::size_t k = 0; k < one.size(); ++k) EXPECT_LE((one[k] - two[k]).lpNorm<Eigen::Infinity>(), 1e-9);
 }
