@@ -31,6 +31,18 @@ void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) 
                        "fast_projection or newton");
 }
 
+/// Newton's method where its linear solver does badly.
+void add_expense(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  constexpr Global many = 20000;
+  const Global vertices = simulation.cloth().mesh.vertices.total;
+  if (input.inextensibility.method == config::InextensibilityMethod::newton &&
+      input.contact_model() != config::ContactModel::none && vertices > many)
+    warnings.push_back(fmt::format("method newton is expensive with contact on as many as {} vertices; "
+                                   "inextensibility.method: fast_projection costs a fraction, but garments "
+                                   "do not come to rest by it",
+                                   vertices));
+}
+
 /// Millimetres and inches taken for metres.
 void add_scale(const Simulation& simulation, const Case&, Warnings& warnings) {
   constexpr double too_wide = 100, narrowest = 1e-3; // m
@@ -124,7 +136,8 @@ void add_inside(const Simulation& simulation, const Case& input, Warnings& warni
 
 void warn_of_start(const Simulation& simulation, const Case& input) {
   Warnings warnings;
-  for (const auto add : {add_patterns, add_locking, add_scale, add_density, add_pins, add_inside})
+  for (const auto add :
+       {add_patterns, add_locking, add_expense, add_scale, add_density, add_pins, add_inside})
     add(simulation, input, warnings);
   if (rank_of(simulation.cloth().mesh.comm) != 0) return;
   for (const std::string& words : warnings)

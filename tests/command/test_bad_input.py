@@ -461,6 +461,13 @@ class Check(Folder):
         self.assertIn("taut: warning: case.yaml: the cloth is 100 m wide; if its mesh is in other units, give `scale`",
                       stderr)
 
+    def test_newton_on_large_meshes_in_contact(self):
+        code, stderr = run(self.folder, ("check", "case.yaml", "--set", "cloth.grid.vertices=[150, 150]", "--set",
+                                         "contact={}", "--set", "inextensibility.method=newton"), 60)
+        self.assertEqual(code, 0, stderr)
+        self.assertIn("taut: warning: case.yaml: method newton is expensive with contact on as many as 22500 vertices",
+                      stderr)
+
     def test_starting_intersections(self):
         through = ("--set", "obstacles=[{sphere: {centre: [0.5, 0.5, 0], radius: 0.3}}]")
         code, stderr = run(self.folder, ("check", "case.yaml", *through))
