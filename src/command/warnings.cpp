@@ -2,6 +2,7 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/state/resolve.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -33,10 +34,9 @@ void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) 
 
 /// Newton's method where its linear solver does badly.
 void add_expense(const Simulation& simulation, const Case& input, Warnings& warnings) {
-  constexpr Global many = 20000;
   const Global vertices = simulation.cloth().mesh.vertices.total;
   if (input.inextensibility.method == config::InextensibilityMethod::newton &&
-      input.contact_model() != config::ContactModel::none && vertices > many)
+      input.contact_model() != config::ContactModel::none && vertices > most_vertices_to_factor)
     warnings.push_back(fmt::format("method newton is expensive with contact on as many as {} vertices; "
                                    "inextensibility.method: fast_projection costs a fraction, but garments "
                                    "do not come to rest by it",

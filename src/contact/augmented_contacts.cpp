@@ -12,13 +12,15 @@ namespace {
 constexpr double stiff = 1;     // see src/newton/README.md
 constexpr int most_solves = 10; // to agree on which contacts press and slide
 
-constexpr double spent = 0.1; // of the power of a change, what may be left of it: see `root`
+constexpr double spent = 0.1; // of the power of a change, what may be left of it: see `where_spent`
 constexpr int most_trials = 20;
 
-/// Of a function that is 1 at 0 and negative at 1, nearly: by the rule of false position, kept from the ends.
+/// Where a function that is 1 at 0 comes to nearly zero, or 1 if it is not below that there: by the rule of
+/// false position, kept from the ends.
 template<class Function>
-double root(Function&& f) {
+double where_spent(Function&& f) {
   double low = 0, high = 1, f_low = 1, f_high = f(1);
+  if (f_high >= -spent) return 1;
   for (int trial = 0; trial < most_trials; ++trial) {
     const double t = low + (high - low) * std::clamp(f_low / (f_low - f_high), 0.1, 0.9);
     const double value = f(t);
@@ -125,15 +127,15 @@ double AugmentedContacts::power(std::span<const Vec3> change, double part) const
 }
 
 double AugmentedContacts::step_length(std::span<const Vec3> change, double power_of_all) {
+  if (power_of_all <= 0) return 1;
   const std::vector<Vec3> parting = between_features(change);
   double held = 0;
   for (const auto& [k, direction] : held_) held += std::pow(direction.dot(parting[k]), 2);
   held = sum_over(scene_.cloth().mesh.comm, held);
   const double others = power_of_all - power(parting, 0);
-  const auto left = [&](double part) { // of the power: 1 at 0, and 0 at 1 if no contact changes its kind
+  return where_spent([&](double part) { // 0 at 1 if no contact changes its kind
     return (others - part * (power_of_all - held) + power(parting, part)) / power_of_all;
-  };
-  return power_of_all > 0 && left(1) < -spent ? root(left) : 1.0;
+  });
 }
 
 /// On a round body the point where an element presses wanders as it tilts: a stiffness p0 D against tilting,

@@ -73,9 +73,9 @@ void ScalarPreconditioner::collect(const VertexMatrix& matrix) {
         values_[pattern_.slot(row, r.vertices[b])] += r.gradient[a].dot(r.gradient[b]) / 3.0;
     }
   });
-  if (!matrix.has_far()) return;
+  if (!matrix.far()) return;
   for (Local row = 0; row < pattern_.rows(); ++row)
-    values_[pattern_.diagonal(row)] += matrix.far_diagonal_blocks()[row].trace() / 3.0;
+    values_[pattern_.diagonal(row)] += matrix.far()->diagonal_blocks()[row].trace() / 3.0;
 }
 
 void ScalarPreconditioner::leave_out(const Freedom& freedom) {

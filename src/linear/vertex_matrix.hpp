@@ -63,8 +63,6 @@ public:
   /// A += the terms, in place of those set before.
   void set_far(ContactCouplings terms) { far_ = std::move(terms); }
   const std::optional<ContactCouplings>& far() const { return far_; }
-  bool has_far() const { return far_.has_value(); }
-  std::span<const Mat3> far_diagonal_blocks() const { return far_->diagonal_blocks(); }
 
   const Pattern& pattern() const { return pattern_; }
   std::span<const double> values() const { return values_; } ///< of B, in the pattern's order

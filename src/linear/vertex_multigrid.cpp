@@ -58,12 +58,12 @@ void VertexMultigrid::make_matrices() {
   first.start(matrix_->freedom());
   first.add(pattern_.sparse_rows(), fine.values());
   fine.for_each_rank_one([&](const auto& r) { first.add_rank_one(r.vertices, r.gradient); });
-  if (fine.has_far()) {
+  if (fine.far()) {
     std::vector<std::int64_t> offsets(std::size_t(mesh_.vertices.owned) + 1);
     std::iota(offsets.begin(), offsets.end(), 0);
     std::vector<Local> columns(mesh_.vertices.owned);
     std::iota(columns.begin(), columns.end(), 0);
-    first.add({offsets, columns}, fine.far_diagonal_blocks());
+    first.add({offsets, columns}, fine.far()->diagonal_blocks());
   }
   first.finish();
   for (std::size_t k = 1; k < levels_.size(); ++k) {
@@ -100,9 +100,9 @@ void VertexMultigrid::make_vertex_smoother() {
       if (size[a] > 0 && r.vertices[a] < pattern_.rows())
         smoother_[r.vertices[a]] += sum / size[a] * r.gradient[a] * r.gradient[a].transpose();
   });
-  if (fine.has_far()) {
+  if (fine.far()) {
     constexpr double vertices = 4; // of a term, at most
-    for (Local i = 0; i < pattern_.rows(); ++i) smoother_[i] += vertices * fine.far_diagonal_blocks()[i];
+    for (Local i = 0; i < pattern_.rows(); ++i) smoother_[i] += vertices * fine.far()->diagonal_blocks()[i];
   }
   for (Local i = 0; i < pattern_.rows(); ++i) {
     Mat3 d = smoother_[i];

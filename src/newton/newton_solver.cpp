@@ -46,8 +46,9 @@ void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   find_metric();
   grids_.set(stiffness);
   set_.program_tolerance(1.0, tolerance_);
-  is_new_ = false;
-  if (factor_) return is_factored_ ? void() : renew_factor();
+  if (factor_ && age_ == Age::none) return renew_factor();
+  age_ = Age::old;
+  if (factor_) return;
   set_.factor(metric_);
   coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
 }
@@ -55,7 +56,7 @@ void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::renew_factor() {
   factor_->factor(*stiffness_, set_.gradients(), told_apart_compliance());
-  is_factored_ = is_new_ = true;
+  age_ = Age::current;
 }
 
 /// W, and the weights of residuals that go with it: 1/(J W J^T + a) of the rows, their diagonals nearly.
@@ -88,7 +89,7 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   gcr_.start(weights_);
   SolveReport report;
   for (bool is_solved = false; !is_solved && report.iterations < max_iterations;) {
-    if (factor_ && !is_new_ && report.iterations == most_with_old_factor) renew_factor();
+    if (factor_ && age_ == Age::old && report.iterations == most_with_old_factor) renew_factor();
     report.failure = find_direction();
     ++report.iterations;
     if (!report.failure.empty()) break;

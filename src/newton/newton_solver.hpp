@@ -39,7 +39,7 @@ public:
   };
 
   /// Forgets what earlier steps left: the next matrix is factored anew.
-  void begin_step() { is_factored_ = false; }
+  void begin_step() { age_ = Age::none; }
 
   /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, until a solve
   /// takes many iterations with it.) Collective.
@@ -83,8 +83,11 @@ private:
   std::optional<CoarseSystem> coarse_;      ///< of these two one
   std::optional<SaddlePointFactor> factor_; ///< of the system for (dx, -dmu)
   Gcr gcr_;
-  bool is_factored_ = false; ///< in this step,
-  bool is_new_ = false;      ///< and since the matrix was taken last
+  enum class Age {
+    none,
+    old,
+    current
+  } age_ = Age::none; ///< of the factor: old if of another matrix of this step
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,

@@ -40,9 +40,9 @@ config::Constrain constrain_of(const Case& input, const Cloth& cloth) {
 /// Grids do badly where triangles lie in no order, and the factor of a mesh of a few thousand vertices costs
 /// no more than they do (src/newton/README.md).
 config::LinearSolver default_solver(const Case& input, const Cloth& cloth, config::Constrain constrain) {
-  constexpr Global most_vertices = 20000;
   const bool factors = input.inextensibility.method == config::InextensibilityMethod::newton &&
-                       constrain == config::Constrain::vertices && cloth.mesh.vertices.total <= most_vertices;
+                       constrain == config::Constrain::vertices &&
+                       cloth.mesh.vertices.total <= most_vertices_to_factor;
   return factors ? config::LinearSolver::mumps : config::LinearSolver::cg;
 }
 

@@ -3,6 +3,9 @@
 
 namespace taut {
 
+/// Up to which the factor of Newton's whole system is the default on meshes with triangles.
+inline constexpr Global most_vertices_to_factor = 20000;
+
 /// What a case leaves to the mesh, decided once.
 struct Resolved {
   config::Inextensibility inextensibility; ///< `constrain` and `solver` are given, and `compliance` but
