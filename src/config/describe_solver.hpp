@@ -99,7 +99,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("faces", i.faces,
     {.range = at_least(1),
      .meaning = "of fast_projection with constrain: vertices: largest strain of single triangles along warp "
-                "and weft, over `strain`"});
+                "and weft, over `strain`; with newton and contact it is the default"});
   v("solver", i.solver,
     {.computed_default = "cg; mumps with method newton on meshes with triangles of at most 20 000 vertices",
      .meaning = "linear solver of a projection or of Newton's method: iterative, or MUMPS (direct)"});

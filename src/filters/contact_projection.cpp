@@ -70,6 +70,7 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
   guess_ = QpGuess::last_step;
   if (is_torn(report)) return report;
   timed(report, [&] { find_pairs(); });
+  rows_.make(1);
   iterate(start, dt, freedom, candidate, report);
   return report;
 }
@@ -99,8 +100,25 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
   timed(report, [&] {
     if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
   });
-  iterate(start, dt, freedom, candidate, report);
+  rows_.make(1);
+  if (!is_kept(candidate, report)) iterate(start, dt, freedom, candidate, report);
   return report;
+}
+
+/// Whether no contact is in reach and nothing left to correct. Fast Projection, which projects at least once,
+/// would leave an equilibrium of all equations what its own metric makes of it.
+template<ConstraintSet Set>
+bool ContactProjection<Set>::is_kept(Candidate& candidate, FilterReport& report) {
+  if (rows_.count() > 0 || !(set_.strain(scene_.target.cloth) <= options_.limits.strain)) return false;
+  double fraction = 0;
+  timed(report, [&] {
+    fraction = safe_.safe_fraction_to_target();
+    if (fraction == 1) report.smallest_gap = safe_.smallest_gap_at_target();
+  });
+  if (fraction < 1) return false;
+  rows_.report_forces(candidate);
+  candidate.multipliers.contacts = rows_.memory();
+  return true;
 }
 
 /// Whether the target is too far from any shape that the cloth can have.
@@ -115,7 +133,6 @@ bool ContactProjection<Set>::is_torn(FilterReport& report) const {
 template<ConstraintSet Set>
 void ContactProjection<Set>::iterate(const State& start, double dt, const Freedom& freedom,
                                      Candidate& candidate, FilterReport& report) {
-  rows_.make(1);
   if (rows_.count() == 0 && ends_alone(start, dt, freedom, candidate, report)) return;
   set_.start(start, dt, freedom, candidate);
   for (iteration_ = 1;; rows_.make(++iteration_)) {

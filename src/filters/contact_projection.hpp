@@ -51,6 +51,7 @@ private:
   void begin(const State& start, double dt, const Freedom& freedom, std::span<const Vec3> velocities);
   void find_pairs();
   bool is_torn(FilterReport& report) const;
+  bool is_kept(Candidate& candidate, FilterReport& report);
   void iterate(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                FilterReport& report);
   bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,

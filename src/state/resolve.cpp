@@ -61,7 +61,8 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   }
   if (!config::holds_limit(input)) return result;
   result.strain_limit = limits.strain;
-  if (limits.constrain == config::Constrain::vertices && config::is_filter(limits.method))
+  if (limits.constrain == config::Constrain::vertices &&
+      (config::is_filter(limits.method) || input.contact_model() == config::ContactModel::constraint))
     result.faces_limit = limits.faces * limits.strain;
   return result;
 }

@@ -32,7 +32,7 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       set_(parts.cloth, options_, ConstraintUse::in_newton),
       solver_(parts.cloth, parts.pattern, set_, solver_options(options_).kind),
       contact_(input.contact_model() == config::ContactModel::constraint
-                   ? make_contact_projection<Set>(parts, input)
+                   ? make_contact_projection<Bounded<Set>>(parts, input)
                    : nullptr),
       stiffness_(parts.cloth.mesh), freedom_(parts.cloth.mesh.vertices.size()),
       slots_(edge_slots(parts.cloth.mesh, parts.pattern)), weights_(parts.cloth.mesh.edges.size()),

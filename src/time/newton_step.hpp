@@ -1,4 +1,5 @@
 #pragma once
+#include "src/constraints/choose_set.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/newton/newton_solver.hpp"
 #include "src/time/step_assembly.hpp"
@@ -31,6 +32,9 @@ namespace taut {
 /// next solve. Smaller strains are not projected: in the metric of masses a taut thread of a fine mesh
 /// answers one of 1 % with zigzags of 40 %. What rests is never projected, so equilibrium stays a fixed
 /// point.
+///
+/// With contact, what solves leave of it is corrected by ContactProjection, and so is what single triangles
+/// strain beyond their bound.
 ///
 /// A step is done when its strain is within the limit and what is left of the equations would move the cloth
 /// (NewtonSolver::movement) by at most `residual` times what gravity, or a stronger acceleration, does in the
@@ -70,7 +74,7 @@ private:
   StepAssembly assembly_;
   Set set_;
   NewtonSolver<Set> solver_;
-  std::unique_ptr<ContactProjection<Set>> contact_; ///< none without contact
+  std::unique_ptr<ContactProjection<Bounded<Set>>> contact_; ///< none without contact
   FilteredOperator stiffness_;
   Freedom freedom_;
   std::vector<std::int32_t> slots_;     ///< of tension's stiffness, see edge_slots

@@ -84,6 +84,21 @@ TEST(NewtonStep, ComesToRestWithTriangles) {
   EXPECT_NEAR(hung.pull[2], weight, 0.01 * weight);
 }
 
+// A projection after each step would keep it moving for ever.
+TEST(NewtonStep, RestsWithContactOutOfReach) {
+  const std::string free = hanging("quads", 2, 0.01);
+  const Hung alone = hang(free),
+             above = hang(free + "obstacles: [{plane: {point: [0, 0, -50]}}]\ncontact: {}\n");
+  ASSERT_EQ(above.kinetic.size(), alone.kinetic.size());
+  EXPECT_NEAR(above.depth.back(), alone.depth.back(), 1e-9);
+  EXPECT_NEAR(above.kinetic.back(), alone.kinetic.back(), 1e-6 * alone.kinetic.back());
+}
+
+TEST(NewtonStep, BoundsSingleTrianglesUnderContact) {
+  const std::string text = hanging("alternating_triangles", 0.1, 0.01) + "contact: {}\n";
+  EXPECT_EQ(Simulation(world, case_of(text)).faces_limit(), 0.05);
+}
+
 TEST(NewtonStep, HangsAsDeepWhateverTheStep) {
   const double deep = hang(hanging("quads", 6, 0.01)).depth.back();
   EXPECT_NEAR(hang(hanging("quads", 6, 0.005)).depth.back(), deep, 0.01 * deep);
