@@ -68,7 +68,7 @@ FilterReport ContactProjection<Set>::apply(const State& start, double dt, const 
   FilterReport report;
   begin(start, dt, freedom, candidate.velocities);
   guess_ = QpGuess::last_step;
-  if (is_torn(report)) return report;
+  if (is_torn(set_.strain(scene_.target.cloth), report)) return report;
   timed(report, [&] { find_pairs(); });
   rows_.make(1);
   iterate(start, dt, freedom, candidate, report);
@@ -96,35 +96,33 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
   guess_ = QpGuess::zero;
   for (std::size_t i = 0; i < candidate.velocities.size(); ++i)
     scene_.target.cloth[i] = start.positions[i] + dt * candidate.velocities[i];
-  if (is_torn(report)) return report;
+  const double strain = set_.strain(scene_.target.cloth);
+  if (is_torn(strain, report)) return report;
   timed(report, [&] {
     if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
   });
   rows_.make(1);
-  if (!is_kept(candidate, report)) iterate(start, dt, freedom, candidate, report);
+  if (!is_kept(strain, report)) iterate(start, dt, freedom, candidate, report);
   return report;
 }
 
-/// Whether no contact is in reach and nothing left to correct. Fast Projection, which projects at least once,
-/// would leave an equilibrium of all equations what its own metric makes of it.
+/// Whether no contact is in reach of a target that strains so much, and nothing left to correct. Fast
+/// Projection, which projects at least once, would leave an equilibrium of all equations what its own metric
+/// makes of it.
 template<ConstraintSet Set>
-bool ContactProjection<Set>::is_kept(Candidate& candidate, FilterReport& report) {
-  if (rows_.count() > 0 || !(set_.strain(scene_.target.cloth) <= options_.limits.strain)) return false;
+bool ContactProjection<Set>::is_kept(double strain, FilterReport& report) {
+  if (rows_.count() > 0 || !(strain <= options_.limits.strain)) return false;
   double fraction = 0;
   timed(report, [&] {
     fraction = safe_.safe_fraction_to_target();
     if (fraction == 1) report.smallest_gap = safe_.smallest_gap_at_target();
   });
-  if (fraction < 1) return false;
-  rows_.report_forces(candidate);
-  candidate.multipliers.contacts = rows_.memory();
-  return true;
+  return fraction == 1;
 }
 
-/// Whether the target is too far from any shape that the cloth can have.
+/// Whether a target that strains so much is too far from any shape that the cloth can have.
 template<ConstraintSet Set>
-bool ContactProjection<Set>::is_torn(FilterReport& report) const {
-  const double strain = set_.strain(scene_.target.cloth);
+bool ContactProjection<Set>::is_torn(double strain, FilterReport& report) {
   if (strain <= most_strain) return false; // and not where it is no number
   report.failure = fmt::format("without projection edges would strain by {:.3g}", strain);
   return true;

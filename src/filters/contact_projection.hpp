@@ -50,8 +50,8 @@ public:
 private:
   void begin(const State& start, double dt, const Freedom& freedom, std::span<const Vec3> velocities);
   void find_pairs();
-  bool is_torn(FilterReport& report) const;
-  bool is_kept(Candidate& candidate, FilterReport& report);
+  static bool is_torn(double strain, FilterReport& report);
+  bool is_kept(double strain, FilterReport& report);
   void iterate(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                FilterReport& report);
   bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
