@@ -22,7 +22,7 @@ Case case_of(SewingStage stage, const Case& input, const std::filesystem::path& 
 Case ready_to_sew(const Simulation& unsewn, Case input);
 
 /// Makes the start of a stage sound: panels must be, as they are placed; what the weld of a garment took
-/// through something or strained is mended. False if it cannot be, which is told. Collective.
+/// through something or strained is fixed. False if it cannot be, which is told. Collective.
 bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input,
                  const std::filesystem::path& out);
 
