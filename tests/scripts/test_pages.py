@@ -85,7 +85,7 @@ class Pages(running.Folder):
     def test_lines_and_words(self):
         for page, text in self.each():
             for number, line in enumerate(text.splitlines(), 1):
-                if not line.startswith("|"):
+                if not line.startswith("|") or page == ROOT / "README.md":
                     self.assertLessEqual(len(line), 120, f"{page}:{number}")
                 self.assertIsNone(re.search(DIALECT, line), f"{page}:{number}: {line}")
 
