@@ -87,7 +87,9 @@ def show_obstacles(view, options):
         return
     reader = open_xdmf(options.run_folder, "obstacles.xdmf")
     reader.UpdatePipeline(view.ViewTime)
-    shown = show_plain(view, simple.GenerateSurfaceNormals(Input=simple.ExtractSurface(Input=reader)), OBSTACLE)
+    # spheres and capsules are two halves, whose common ring would show as an edge
+    whole = simple.Clean(Input=simple.ExtractSurface(Input=reader), Tolerance=1e-6, ConvertPolysToLines=0)
+    shown = show_plain(view, simple.GenerateSurfaceNormals(Input=whole), OBSTACLE)
     shown.Ambient, shown.Diffuse, shown.Specular = 0.35, 0.75, 0.0
 
 

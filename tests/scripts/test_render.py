@@ -70,6 +70,17 @@ class Render(running.Folder):
             self.assertGreater((np.abs(plain - coloured).max(axis=2)[both] > 0.1).mean(), 0.05)
         self.assertTrue((strain != tension).any())  # at least in the bar: tension is nearly proportional to strain here
 
+    def test_a_sphere_is_round(self):
+        """Its two halves meet without an edge."""
+        run = self.run_case("result", "--set", "time.end=0.05", "--set",
+                            "obstacles=[{sphere: {centre: [0.5, 0.5, -0.25], radius: 0.2}}]")
+        image = self.picture(run, "--view", "0", "-1", "0.1")
+        rows, columns = np.nonzero(drawn(image) & (np.ptp(image, axis=2) < 0.06))  # grey, unlike the cloth
+        middle = (columns == int(np.median(columns)))
+        shade = image[np.sort(rows[middle])[3:-3], int(np.median(columns))]
+        self.assertGreater(len(shade), 40)
+        self.assertLess(np.abs(np.diff(shade, axis=0)).max(), 0.015)  # 0.008; 0.024 with an edge
+
     def test_film_and_state(self):
         run = self.run_case("result", "--set", "time.end=0.3")
         code, _, err = render(run, "--film", self.folder / "film.mp4", "--state", "--color", "strain")
