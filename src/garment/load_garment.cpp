@@ -1,6 +1,7 @@
 #include "src/garment/load_garment.hpp"
 
 #include "io/scatter.hpp"
+#include "src/garment/place_panels.hpp"
 #include "src/garment/read_pattern.hpp"
 #include "src/garment/sewn_mesh.hpp"
 
@@ -12,9 +13,13 @@ Garment load_garment(MPI_Comm comm, const Case& input, std::size_t k) {
   EdgeLengths lengths{*cloth.edge, {}};
   for (const auto& [name, panel] : cloth.panels)
     if (panel.edge) lengths.panels[name] = *panel.edge;
+  constexpr double apart = 0.5; // edges
   const SewingPattern pattern = read_pattern(comm, file);
   Garment garment{file.string(), {}};
-  on_rank_0(comm, [&] { garment.mesh = mesh_garment(pattern, lengths); });
+  on_rank_0(comm, [&] {
+    garment.mesh =
+        mesh_garment(input.sewing ? place_panels(pattern, apart * lengths.garment) : pattern, lengths);
+  });
   return garment;
 }
 

@@ -85,6 +85,23 @@ double inscribed_radius(const Ring& ring, double tolerance) {
   return ends.empty() ? 0 : (ends[1] - ends[0]).norm();
 }
 
+double distance_between(const Ring& one, const Ring& two) {
+  const Geos geos;
+  const auto a = geos.polygon(one), b = geos.polygon(two);
+  double distance = 0;
+  if (!a || !b || !GEOSDistance_r(geos.context(), a.get(), b.get(), &distance)) return 0;
+  return distance;
+}
+
+double common_area(const Ring& one, const Ring& two) {
+  const Geos geos;
+  const auto a = geos.polygon(one), b = geos.polygon(two);
+  const auto common = geos.own(a && b ? GEOSIntersection_r(geos.context(), a.get(), b.get()) : nullptr);
+  double area = 0;
+  if (!common || !GEOSArea_r(geos.context(), common.get(), &area)) return 0;
+  return area;
+}
+
 std::optional<std::vector<std::array<int, 3>>> triangulate(const Ring& ring) {
   std::unordered_map<Vec2, int, PointHash> numbers;
   for (const Vec2& p : ring) numbers.emplace(p, int(numbers.size()));

@@ -23,6 +23,12 @@ std::optional<RingFault> fault_of_ring(const Ring& ring);
 /// The radius of the largest circle inside a simple polygon, to within `tolerance`.
 double inscribed_radius(const Ring& ring, double tolerance);
 
+/// How far apart two simple polygons are, with what is inside; 0 where they overlap, or GEOS fails.
+double distance_between(const Ring& one, const Ring& two);
+
+/// The area that two simple polygons have in common; 0 if GEOS fails.
+double common_area(const Ring& one, const Ring& two);
+
 /// Covers a simple polygon by triangles whose corners are its points, by their numbers; counter-clockwise,
 /// not all of them Delaunay. Nothing if GEOS fails.
 std::optional<std::vector<std::array<int, 3>>> triangulate(const Ring& ring);

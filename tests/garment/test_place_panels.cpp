@@ -1,0 +1,62 @@
+// Where panels are placed before they are sewn.
+#include "src/garment/place_panels.hpp"
+#include "tests/garment/patterns.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace taut;
+using namespace taut::garment;
+using namespace taut::test;
+
+namespace {
+
+constexpr double apart = 0.01; // m
+
+std::string at(double x, double y, double z) {
+  std::ostringstream text;
+  text << "    translation: [" << x << ", " << y << ", " << z << "]\n";
+  return text.str();
+}
+
+std::vector<Vec3> places_of(const std::string& text) {
+  std::vector<Vec3> places;
+  for (const Panel& panel : place_panels(pattern_of(text), apart).panels) places.push_back(panel.translation);
+  return places;
+}
+
+} // namespace
+
+TEST(PlacePanels, CloseTheGapBetweenOneAboveTheOther) {
+  const auto places = places_of("panels:\n" + rectangle("bodice", 0.2, 0.3, at(0, 0.5, 0.1)) +
+                                rectangle("skirt", 0.2, 0.4, at(0, 0, 0.05)) +
+                                "stitches: [[{panel: bodice, edge: 0}, {panel: skirt, edge: 2}]]\n");
+  EXPECT_NEAR(places[0][1], places[1][1] + 0.4, 1e-12);
+  EXPECT_NEAR(places[0][1] + places[1][1], 0.5, 1e-12); // each half the way
+  EXPECT_EQ(places[0][2], 0.1);
+}
+
+TEST(PlacePanels, LeaveWhatIsAsHighAsEachOther) {
+  const auto places = places_of("panels:\n" + rectangle("front", 0.2, 0.3, at(0, 0.1, 0.1)) +
+                                rectangle("back", 0.2, 0.3, at(0, 0.2, -0.1)) +
+                                "stitches: [[{panel: front, edge: 1}, {panel: back, edge: 3}]]\n");
+  EXPECT_NEAR(places[0][1], 0.1, 1e-12);
+  EXPECT_NEAR(places[1][1], 0.2, 1e-12);
+}
+
+TEST(PlacePanels, MoveApartWhatLiesOnEachOther) {
+  const auto places =
+      places_of("panels:\n" + rectangle("right", 0.2, 0.3, at(-0.195, 0, -0.1)) +
+                rectangle("left", 0.2, 0.3, at(0, 0, -0.1)) + rectangle("front", 0.3, 0.3, at(-0.1, 0, 0.1)) +
+                "stitches: [[{panel: right, edge: 1}, {panel: left, edge: 3}]]\n");
+  EXPECT_EQ(places[0][2], -0.1);
+  EXPECT_NEAR(places[1][2], -0.1 - apart, 1e-12); // away from the middle
+  EXPECT_EQ(places[2][2], 0.1);
+}
+
+TEST(PlacePanels, LetThoseTouchThatAreSewnTogether) {
+  const std::string beside = "panels:\n" + rectangle("right", 0.2, 0.3, at(-0.2, 0, -0.1)) +
+                             rectangle("left", 0.2, 0.3, at(0, 0, -0.1));
+  EXPECT_EQ(places_of(beside + "stitches: [[{panel: right, edge: 1}, {panel: left, edge: 3}]]\n")[1][2],
+            -0.1);
+  EXPECT_NE(places_of(beside)[1][2], -0.1);
+}
