@@ -9,13 +9,33 @@ namespace {
 
 constexpr double mostly = 0.7; ///< of a string's length along y: from front to back
 
+/// How far apart the ends of a closed seam may be at a time, over the length of seam at them.
+double closed_at(double time, const config::Sewing& sewing) {
+  const double late = 0.5 * (sewing.limit - sewing.time);
+  const double part = late > 0 ? std::clamp((time - sewing.time) / late, 0.0, 1.0) : 0.0;
+  return SeamForce::closed + part * (SeamForce::closed_late - SeamForce::closed);
+}
+
+/// The length of seam at a vertex, in the mean, m. Collective.
+double mean_seam_length(const Cloth& cloth) {
+  std::array<double, 2> sums{};
+  for (const auto& [a, b] : cloth.mesh.seams)
+    if (cloth.mesh.owns_vertex(a)) {
+      sums[0] += seam_length_at(cloth, a);
+      ++sums[1];
+    }
+  sum_in_place(cloth.mesh.comm, sums);
+  return sums[0] / std::max(1.0, sums[1]);
+}
+
 } // namespace
 
 SeamForce::SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing)
     : cloth_(cloth), time_(sewing.time) {
   const auto& rest = cloth.mesh.rest_positions;
+  const double least = least_length * mean_seam_length(cloth);
   for (const auto& pair : cloth.mesh.seams) {
-    const double share = seam_length_at(cloth, pair[0]), force = sewing.force * share;
+    const double share = std::max(seam_length_at(cloth, pair[0]), least), force = sewing.force * share;
     const Vec3 d = rest[pair[1]] - rest[pair[0]];
     strings_.push_back({pair,
                         d.norm(),
@@ -52,13 +72,16 @@ void SeamForce::add_to(StepSystem& system, const State& state) {
   }
 }
 
-OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions) {
+OpenSeam widest_seam(const Cloth& cloth, const State& state, const config::Sewing& sewing) {
   const IndexMap& map = cloth.mesh.vertices;
+  const std::span<const Vec3> positions = state.positions;
+  const double closed = closed_at(state.time, sewing);
+  const double least = SeamForce::least_length * mean_seam_length(cloth);
   OpenSeam widest;
   for (const auto& [a, b] : cloth.mesh.seams) {
     const double distance = (positions[b] - positions[a]).norm();
-    const double length = std::max(seam_length_at(cloth, a), seam_length_at(cloth, b));
-    const double over = distance / (SeamForce::closed * length);
+    const double length = std::max({seam_length_at(cloth, a), seam_length_at(cloth, b), least});
+    const double over = distance / (closed * length);
     if (cloth.mesh.owns_vertex(a) && over > widest.over_closed)
       widest = {distance, over, map.original[a], map.original[b], 0.5 * (positions[a] + positions[b])};
   }

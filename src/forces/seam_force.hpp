@@ -17,12 +17,18 @@ namespace taut {
 /// each goes half of that when they become one, and the cells beside them, strained by up to a fifth, are
 /// relaxed from there (Simulation::relax). Waiting for less is a matter of luck: what the prediction draws
 /// together the projection, which moves in the metric of masses, opens again by up to a tenth of an edge.
+/// Where a fold of the cloth itself lies in between, at necks and in gathers, nothing closes them further:
+/// what counts as closed grows to `closed_late` half way between the time of sewing and its limit.
 class SeamForce : public Force {
 public:
   /// Of a string, over the length of seam at its vertex.
-  static constexpr double held = 2e-3, closed = 0.4;
+  static constexpr double held = 2e-3, closed = 0.4, closed_late = 1;
 
-  /// `cloth` must outlive the force. Not collective.
+  /// What counts as the length of seam at a vertex at least, over the mean: at a corner of tiny edges there
+  /// is hardly any, and nothing would draw it together.
+  static constexpr double least_length = 0.3;
+
+  /// `cloth` must outlive the force. Collective.
   SeamForce(const Cloth& cloth, const Pattern& pattern, const config::Sewing& sewing);
 
   std::string_view name() const override { return "seams"; }
@@ -58,7 +64,7 @@ struct OpenSeam {
   Vec3 place = Vec3::Zero(); ///< m, in the middle
 };
 
-/// The pair that is farthest from being closed. Collective.
-OpenSeam widest_seam(const Cloth& cloth, std::span<const Vec3> positions);
+/// The pair that is farthest from being closed at this time. Collective.
+OpenSeam widest_seam(const Cloth& cloth, const State& state, const config::Sewing& sewing);
 
 } // namespace taut

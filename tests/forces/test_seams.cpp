@@ -87,14 +87,28 @@ TEST_F(Seams, AreTheSameOnAnyPartition) {
 
 TEST_F(Seams, WidestIsFoundOnAnyPartition) {
   const WholeState state = random_state(whole_, 1);
-  const OpenSeam expected = widest_seam(whole_.cloth, whole_.at(state).positions);
+  const OpenSeam expected = widest_seam(whole_.cloth, whole_.at(state), config::Sewing{});
   EXPECT_GT(expected.over_closed, 1);
   on_odd_partitions(mesh_to_sew, [&](DistributedMesh mesh) {
     const Bed bed(std::move(mesh));
-    const OpenSeam found = widest_seam(bed.cloth, bed.at(state).positions);
+    const OpenSeam found = widest_seam(bed.cloth, bed.at(state), config::Sewing{});
     EXPECT_EQ(found.vertex, expected.vertex);
     EXPECT_EQ(found.joint, expected.joint);
     EXPECT_EQ(found.distance, expected.distance);
   });
-  EXPECT_EQ(widest_seam(whole_.cloth, whole_.at(almost_closed()).positions).over_closed < 1, true);
+  EXPECT_EQ(widest_seam(whole_.cloth, whole_.at(almost_closed()), config::Sewing{}).over_closed < 1, true);
+}
+
+TEST_F(Seams, WhatCountsAsClosedGrowsUntilHalfWayToTheLimit) {
+  config::Sewing sewing;
+  State state = whole_.at(random_state(whole_, 1));
+  const auto over_closed_at = [&](double time) {
+    state.time = time;
+    return widest_seam(whole_.cloth, state, sewing).over_closed;
+  };
+  const double at_first = over_closed_at(sewing.time),
+               late = over_closed_at(0.5 * (sewing.time + sewing.limit));
+  EXPECT_EQ(over_closed_at(0), at_first);
+  EXPECT_NEAR(late * SeamForce::closed_late, at_first * SeamForce::closed, 1e-12 * at_first);
+  EXPECT_EQ(over_closed_at(sewing.limit), late);
 }
