@@ -1,6 +1,7 @@
 #include "src/command/arrival.hpp"
 
 #include "src/config/cloths.hpp"
+#include "src/contact/body_growth.hpp"
 #include "src/forces/seam_force.hpp"
 #include "src/garment/load_garment.hpp"
 
@@ -32,12 +33,14 @@ std::string name_of_seam(const Case& input, const Cloth& cloth, Global vertex) {
 } // namespace
 
 bool has_arrived(const Case& input, const Simulation& simulation) {
-  if (input.sewing) return widest_seam(simulation.cloth(), simulation.state().positions).over_closed <= 1;
+  if (input.sewing)
+    return widest_seam(simulation.cloth(), simulation.state(), *input.sewing).over_closed <= 1;
+  if (simulation.obstacles().grow()) return has_grown(simulation.obstacles(), simulation.state());
   return input.time.until_rest && largest_speed(simulation) <= *input.time.until_rest;
 }
 
 Outcome judge_seams(const Case& input, const Simulation& simulation) {
-  const OpenSeam open = widest_seam(simulation.cloth(), simulation.state().positions);
+  const OpenSeam open = widest_seam(simulation.cloth(), simulation.state(), *input.sewing);
   if (open.over_closed <= 1) return {};
   const std::string name =
       broadcast_text(simulation.cloth().mesh.comm, name_of_seam(input, simulation.cloth(), open.vertex));

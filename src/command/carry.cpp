@@ -72,7 +72,8 @@ int run_carried(MPI_Comm comm, const Case& input, const RunOptions& options, con
     files.push_back(garment_file(input, k, options.out, "carried"));
     garment::write_h5(comm, garments[k].mesh, garments[k].sewn, files.back());
   }
-  return run_garments(comm, input, files, options, stop, began);
+  const fs::path before = input.folder() / *input.cloths.front().start.run;
+  return run_garments(comm, with_fitted_bodies(comm, input, before), files, options, stop, began);
 }
 
 } // namespace taut::command

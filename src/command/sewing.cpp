@@ -7,6 +7,7 @@
 #include "src/command/start_contact.hpp"
 #include "src/command/warnings.hpp"
 #include "src/config/cloths.hpp"
+#include "src/contact/body_growth.hpp"
 #include "src/garment/load_garment.hpp"
 #include "src/garment/write_mesh.hpp"
 
@@ -30,6 +31,21 @@ std::vector<Vec3> positions_of(const Cloth& cloth, const State& state, const Pie
   for (std::size_t i = 0; i < slab.size(); ++i)
     if (Slab{piece.first_vertex, piece.vertices, 0}.contains(first + Global(i))) of_piece.push_back(slab[i]);
   return exchange(cloth.mesh.comm, of_piece, std::vector<int>(of_piece.size(), 0)).items;
+}
+
+/// m, of the edges of each garment. Collective.
+std::vector<double> shortest_edges(MPI_Comm comm, const Case& input) {
+  std::vector<double> shortest(input.cloths.size(), HUGE_VAL);
+  for (std::size_t k = 0; k < shortest.size(); ++k) {
+    const garment::GarmentMesh mesh = garment::load_garment(comm, input, k).mesh;
+    for (const Cell& cell : mesh.cells)
+      for (int i = 0, n = cell.size(); i < n; ++i) {
+        const Vec3 side = mesh.positions[cell.vertices[(i + 1) % n]] - mesh.positions[cell.vertices[i]];
+        shortest[k] = std::min(shortest[k], side.norm());
+      }
+    shortest[k] = -max_over(comm, -shortest[k]);
+  }
+  return shortest;
 }
 
 /// The mesh that a stage makes of cloth `k`.
@@ -60,6 +76,26 @@ void write_meshes_after(SewingStage stage, const Case& input, const Simulation& 
       }
     });
     garment::write_h5(comm, mesh, sewn, mesh_after(stage, input, k, out));
+  }
+}
+
+/// The file that tells by how much body `k` stays back in its garment.
+fs::path fitted_body(const fs::path& out, std::size_t k) {
+  return fs::absolute(folder_of(SewingStage::fitting, out) / fmt::format("body_{}.h5", k)).lexically_normal();
+}
+
+/// Writes down by how much bodies stay back after the fitting, and tells it.
+void write_bodies(MPI_Comm comm, const Simulation& fitted, const fs::path& out) {
+  const Obstacles& obstacles = fitted.obstacles();
+  for (int k = 0; k < obstacles.bodies(); ++k) {
+    const HeldBack held = held_back(obstacles, k, fitted.state().time);
+    if (held.vertices == 0) continue;
+    write_ways(comm, fitted_body(out, std::size_t(k)), held.ways);
+    if (rank_of(comm) == 0)
+      fmt::print("{}: {} of its vertices stay back by up to {:.3g} mm, at ({:.4g}, {:.4g}, {:.4g}) m: the "
+                 "garment is too tight for it there\n",
+                 obstacles.body(k).name, held.vertices, 1000 * held.farthest, held.place[0], held.place[1],
+                 held.place[2]);
   }
 }
 
@@ -121,7 +157,7 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
     fmt::print(stderr,
                "taut: {}: no body can grow further in the garment: it is too tight there, or pinched "
                "where a body faces itself; give it more width, or obstacles more `room`, or a longer "
-               "sewing.growth\n",
+               "sewing.growth, or less sewing.pressure\n",
                input.file.string());
   return code;
 }
@@ -129,8 +165,8 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 } // namespace
 
 Case ready_to_sew(const Simulation& unsewn, Case input) {
-  fill_in(input);
   const MPI_Comm comm = unsewn.cloth().mesh.comm;
+  fill_in(input, shortest_edges(comm, input));
   const Obstacles slim(comm, sewing_case(input));
   check_place(input, unsewn, slim);
   const std::vector<double> lifts = lifts_of(unsewn.cloth(), unsewn.state().positions, slim);
@@ -164,6 +200,18 @@ bool clear_stage(SewingStage stage, Simulation& simulation, const Case& input, c
                                        : clear_start(simulation, input, fs::path(out) += ".findings.vtp");
 }
 
+Case with_fitted_bodies(MPI_Comm comm, Case input, const fs::path& run) {
+  for (std::size_t k = 0; k < input.obstacles.size(); ++k) {
+    config::Obstacle& o = input.obstacles[k];
+    const std::string file = broadcast(
+        comm, [&] { return fs::exists(fitted_body(run, k)) ? fitted_body(run, k).string() : std::string(); });
+    if (file.empty() || o.fitted) continue;
+    make_mesh(o);
+    o.fitted = file;
+  }
+  return input;
+}
+
 int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, const StopSignal& stop,
                double began) {
   const Case input = checked_and_ready(comm, given);
@@ -183,6 +231,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path& out = options.out;
   write_meshes_after(before, input, ended, out);
+  if (before == SewingStage::fitting) write_bodies(comm, ended, out);
   if (before == SewingStage::sewing && !input.obstacles.empty()) {
     const Case stage = fitting_case(input, meshes_after(SewingStage::sewing, input, out));
     Simulation simulation(comm, stage);
@@ -191,12 +240,13 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
     return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
                            : code;
   }
-  return run_garments(comm, input, meshes_after(before, input, out), options, stop, began);
+  return run_garments(comm, with_fitted_bodies(comm, input, out), meshes_after(before, input, out), options,
+                      stop, began);
 }
 
 int run_garments(MPI_Comm comm, Case input, std::span<const fs::path> meshes, const RunOptions& options,
                  const StopSignal& stop, double began) {
-  fill_in(input);
+  fill_in(input, shortest_edges(comm, input));
   Case stage = with_meshes(std::move(input), meshes);
   stage.sewing.reset();
   Simulation simulation(comm, stage);

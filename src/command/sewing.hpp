@@ -39,6 +39,10 @@ int run_after(SewingStage stage, MPI_Comm comm, const Case& input, const Simulat
 std::filesystem::path garment_file(const Case& input, std::size_t k, const std::filesystem::path& folder,
                                    const std::string& stem);
 
+/// The case with the bodies that stayed back in the fitting of a run as they were then, if there are such.
+/// Collective.
+Case with_fitted_bodies(MPI_Comm comm, Case input, const std::filesystem::path& run);
+
 /// Runs the case with these meshes, one a cloth, in the place of its patterns: once what overlaps is
 /// untangled and what is strained is relaxed. This program holds the lock of the folder. Collective.
 int run_garments(MPI_Comm comm, Case input, std::span<const std::filesystem::path> meshes,

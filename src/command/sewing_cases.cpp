@@ -14,16 +14,6 @@ void hold_first(std::vector<config::Keyframe>& motion) {
   if (!motion.empty()) motion.resize(1);
 }
 
-/// As a body of triangles, which can be slim.
-void make_mesh(config::Obstacle& o) {
-  constexpr double fine = 0.2; // edges over radius
-  if (!o.sphere && !o.capsule) return;
-  o.joined =
-      config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
-  o.sphere.reset();
-  o.capsule.reset();
-}
-
 /// Nothing has to rest before it is sewn. (By Newton's method sleeves stay open by half a centimetre.)
 void project(config::Inextensibility& i) {
   if (i.method != config::InextensibilityMethod::newton) return;
@@ -60,11 +50,20 @@ Case in_peace(Case input) {
   return input;
 }
 
-void let_grow(Case& input, double growth) {
+void let_grow(Case& input, const config::Growth& growth) {
   for (config::Obstacle& o : input.obstacles) o.growth = growth;
 }
 
 } // namespace
+
+void make_mesh(config::Obstacle& o) {
+  constexpr double fine = 0.2; // edges over radius
+  if (!o.sphere && !o.capsule) return;
+  o.joined =
+      config::Union{{{o.sphere, o.capsule, {}}}, 0, fine * (o.sphere ? o.sphere->radius : o.capsule->radius)};
+  o.sphere.reset();
+  o.capsule.reset();
+}
 
 Case with_meshes(Case input, std::span<const fs::path> meshes) {
   for (std::size_t k = 0; k < input.cloths.size(); ++k) {
@@ -81,16 +80,18 @@ Case with_meshes(Case input, std::span<const fs::path> meshes) {
   return input;
 }
 
-void fill_in(Case& input) {
+void fill_in(Case& input, std::span<const double> shortest) {
   constexpr double room = 1.5, thickness = 0.03; // edges
+  constexpr double most = 0.3;                   // of the shortest edge, which elastic may shorten
   double finest = HUGE_VAL;                      // m
   for (const config::Cloth& c : input.cloths) finest = std::min(finest, *c.edge);
   for (config::Obstacle& o : input.obstacles)
     if ((o.mesh || o.joined) && !o.room) o.room = room * finest;
   if (!input.has_contact()) return;
   if (!input.contact) input.contact.emplace();
-  for (config::Cloth& c : input.cloths)
-    if (!input.contact->thickness && !c.thickness) c.thickness = thickness * *c.edge;
+  for (std::size_t k = 0; k < input.cloths.size(); ++k)
+    if (config::Cloth& c = input.cloths[k]; !input.contact->thickness && !c.thickness)
+      c.thickness = std::min(thickness * *c.edge, most * shortest[k]);
 }
 
 Case sewing_case(const Case& input) {
@@ -106,19 +107,20 @@ Case sewing_case(const Case& input) {
     for (auto& [name, panel] : c.panels)
       if (auto& own = panel.material.stretch) own = std::max(*own, stretch);
   }
-  let_grow(stage, HUGE_VAL);
+  let_grow(stage, {HUGE_VAL});
   return stage;
 }
 
 Case fitting_case(const Case& input, std::span<const fs::path> sewn) {
   Case stage = with_meshes(in_peace(input), sewn);
-  stage.time.end = input.sewing->growth;
+  constexpr double most_time = 3; // times that of a body on which nothing presses
+  stage.time.end = most_time * input.sewing->growth;
   // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.
   constexpr double sinking = 0.06, damping = 15; // m/s, 1/s
   stage.gravity = Vec3(sinking * damping * input.gravity.at(0).stableNormalized());
   for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
   stage.sewing.reset();
-  let_grow(stage, input.sewing->growth);
+  let_grow(stage, {input.sewing->growth, input.sewing->pressure});
   return stage;
 }
 

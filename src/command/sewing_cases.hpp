@@ -8,8 +8,12 @@
 namespace taut::command {
 
 /// Fills in what a case leaves to the edges of its patterns. Folds of cloth take some room where a body faces
-/// itself; layers as thick as in other cases would be pinched there.
-void fill_in(Case& input);
+/// itself; layers as thick as in other cases would be pinched there. `shortest`: m, of the edges of each
+/// cloth.
+void fill_in(Case& input, std::span<const double> shortest);
+
+/// Makes a sphere or capsule a body of triangles, whose vertices can be moved.
+void make_mesh(config::Obstacle& o);
 
 /// The case with these meshes, one a cloth, in the place of its patterns.
 Case with_meshes(Case input, std::span<const std::filesystem::path> meshes);

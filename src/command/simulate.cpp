@@ -75,7 +75,7 @@ std::string case_as_run(Case input) {
   std::vector<std::optional<fs::path>*> paths;
   for (config::Cloth& c : input.cloths)
     paths.insert(paths.end(), {&c.mesh, &c.pattern, &c.start.shape, &c.start.run});
-  for (config::Obstacle& o : input.obstacles) paths.push_back(&o.mesh);
+  for (config::Obstacle& o : input.obstacles) paths.insert(paths.end(), {&o.mesh, &o.fitted});
   for (auto* path : paths)
     if (*path) *path = fs::absolute(input.folder() / **path).lexically_normal();
   return write_case(input);

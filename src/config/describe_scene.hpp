@@ -168,6 +168,11 @@ void describe(V& v, Is<Obstacle> auto& o) {
      .meaning =
          "of a mesh: what parts of it that face each other, as in armpits, leave between them; they give "
          "way by what is missing"});
+  v("fitted", o.fitted,
+    {.computed_default = "none",
+     .meaning =
+         "of a mesh or union: file that `sewing` wrote, by how much it stays back where a garment is too "
+         "tight for it, relative to the case file"});
   v("friction", o.friction,
     {.range = not_negative,
      .computed_default = "`contact.friction`",
@@ -200,6 +205,12 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::second,
      .range = positive,
      .meaning = "in which bodies, slim until all seams are closed, grow to their size in the garment"});
+  v("pressure", s.pressure,
+    {.unit = Unit::pascal,
+     .range = positive,
+     .meaning =
+         "of the garment on a body that grows: where it is too tight for more, the body stays back, and "
+         "by how much is told"});
   v("damping", s.damping,
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,

@@ -105,6 +105,13 @@ struct Sequence {
   bool operator==(const Sequence&) const = default;
 };
 
+/// How a body grows from slim (ways_to_slim) to full.
+struct Growth {
+  double time = 1;        ///< s; infinite: it stays slim
+  double pressure = 1000; ///< Pa, of the cloth: where it is more, the body stays back
+  bool operator==(const Growth&) const = default;
+};
+
 /// Something that cloth cannot pass.
 struct Obstacle {
   std::optional<std::string> name; ///< for messages
@@ -112,19 +119,18 @@ struct Obstacle {
   std::optional<Sphere> sphere;
   std::optional<Capsule> capsule;
   std::optional<Box> box;
-  std::optional<Union> joined;               ///< the key `union`
-  std::optional<std::filesystem::path> mesh; ///< as written: relative to the case file
-  std::optional<Sequence> sequence;          ///< `mesh` is its first
-  double scale = 1;                          ///< m per unit of the mesh
-  UpAxis up = UpAxis::z;                     ///< in the file of the mesh
-  Placement start;                           ///< of what is given above
-  double thickness = 0;                      ///< m added all around
-  std::optional<double> friction;            ///< against cloth; absent: that of `contact`
-  std::vector<Keyframe> motion;              ///< times increase strictly; empty: at rest
-  std::optional<double> room;                ///< m, see ways_to_room; absent: the body is as given
-  /// s, in which a mesh grows from slim (ways_to_slim) to full; infinite: it stays slim; absent: it is full.
-  /// No key, but of stages before the case.
-  std::optional<double> growth;
+  std::optional<Union> joined;                 ///< the key `union`
+  std::optional<std::filesystem::path> mesh;   ///< as written: relative to the case file
+  std::optional<Sequence> sequence;            ///< `mesh` is its first
+  double scale = 1;                            ///< m per unit of the mesh
+  UpAxis up = UpAxis::z;                       ///< in the file of the mesh
+  Placement start;                             ///< of what is given above
+  double thickness = 0;                        ///< m added all around
+  std::optional<double> friction;              ///< against cloth; absent: that of `contact`
+  std::vector<Keyframe> motion;                ///< times increase strictly; empty: at rest
+  std::optional<double> room;                  ///< m, see ways_to_room; absent: the body is as given
+  std::optional<std::filesystem::path> fitted; ///< read_ways; of a mesh or union; absent: as given
+  std::optional<Growth> growth;                ///< absent: it is full. No key, but of stages before the case
   bool operator==(const Obstacle&) const = default;
 };
 
@@ -134,9 +140,10 @@ struct Sewing {
   double force = 10;           ///< N/m, the largest of a seam on each of its edges
   double limit = 6;            ///< s, by which all seams must be closed
   double growth = 1;           ///< s, in which bodies grow to their size in the sewn garment
+  double pressure = 100;       ///< Pa, with which it may press on them
   double damping = 40;         ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
-  double bending = 1e-4;       ///< N m, at least
+  double bending = 1e-3;       ///< N m, at least
   bool operator==(const Sewing&) const = default;
 };
 

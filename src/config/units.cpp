@@ -25,6 +25,7 @@ constexpr std::array names{
     UnitName{Unit::cloth_stretch, "N/m (N on a line)", "stretch stiffness", "N/m (N on a line)", "500 N/m"},
     UnitName{Unit::newton, "N", "force", "newtons", "10 N"},
     UnitName{Unit::newton_per_metre, "N/m", "shear stiffness", "N/m", "10 N/m"},
+    UnitName{Unit::pascal, "Pa", "pressure", "pascals", "1 kPa"},
     UnitName{Unit::per_newton, "1/N", "compliance", "1/N", "1e-4 1/N"},
 };
 
@@ -73,6 +74,8 @@ constexpr std::array scales{
     Scale{Unit::newton, "kN", 1000, 1},
     Scale{Unit::newton_per_metre, "N/m"},
     Scale{Unit::newton_per_metre, "gf/(cm deg)", 0.1 * standard_gravity * 180, std::numbers::pi},
+    Scale{Unit::pascal, "Pa"},
+    Scale{Unit::pascal, "kPa", 1000, 1},
     Scale{Unit::per_newton, "1/N"},
 };
 

@@ -19,6 +19,7 @@ enum class Unit {
   cloth_stretch, ///< N/m on a surface, N on a line
   newton,
   newton_per_metre,
+  pascal,
   per_newton,
 };
 

@@ -1,7 +1,9 @@
 #include "src/contact/obstacles.hpp"
 
 #include "partition/comm.hpp"
+#include "src/contact/body_growth.hpp"
 #include "src/contact/body_meshes.hpp"
+#include "src/contact/body_normals.hpp"
 #include "src/contact/closest.hpp"
 #include "src/contact/slim_body.hpp"
 #include "src/contact/union_mesh.hpp"
@@ -44,6 +46,7 @@ Obstacles::Obstacles(MPI_Comm comm, const Case& input) : inputs_(input.obstacles
                        o.sphere || o.capsule});
     add(comm, input, body);
     if (o.room) make_room(body);
+    if (o.fitted) hold_back(comm, input, body);
     if (o.growth) make_slim(comm, body);
   }
 }
@@ -151,11 +154,44 @@ void Obstacles::make_slim(MPI_Comm comm, int body) {
   slim_.insert(slim_.end(), ways.begin(), ways.end());
 }
 
-double Obstacles::slimness(int body, double time) const {
-  const auto& growth = inputs_[body].growth;
+bool Obstacles::grow() const {
+  return std::any_of(inputs_.begin(), inputs_.end(),
+                     [](const config::Obstacle& o) { return o.growth && std::isfinite(o.growth->time); });
+}
+
+void Obstacles::set_growth(BodyGrowth growth, double since) {
+  growth_ = std::move(growth);
+  grown_since_ = since;
+}
+
+Vec3 Obstacles::way_to_slim(Local vertex) const {
+  return inputs_[body_of_[vertex]].growth ? slim_[vertex] : Vec3(Vec3::Zero());
+}
+
+/// Without a word on its vertices a body that grows is slim.
+double Obstacles::slimness(Local vertex, double time) const {
+  const auto& growth = inputs_[body_of_[vertex]].growth;
   if (!growth) return 0;
-  const double s = std::clamp(time / *growth, 0.0, 1.0);
-  return 1 - s * s * (3 - 2 * s);
+  if (growth_.slimness.empty()) return 1;
+  return std::clamp(growth_.slimness[vertex] + growth_.speed[vertex] * (time - grown_since_), 0.0, 1.0);
+}
+
+/// The body, the last so far, is there already. In each mesh of a sequence the way is turned with the
+/// surface.
+void Obstacles::hold_back(MPI_Comm comm, const Case& input, int body) {
+  const auto file = input.folder() / *inputs_[body].fitted;
+  const auto first = std::size_t(first_of(body));
+  const std::span<Vec3> start = std::span(start_).subspan(first);
+  const std::vector<Vec3> ways = read_ways(comm, file, start.size());
+  const auto triangles = triangles_of(body);
+  const std::vector<Vec3> normals = outward_normals(start, triangles);
+  if (const auto frames = frames_.find(body); frames != frames_.end())
+    for (auto& positions : frames->second.positions) {
+      const std::vector<Vec3> turned = outward_normals(positions, triangles);
+      for (std::size_t v = 0; v < ways.size(); ++v)
+        positions[v] += Eigen::Quaterniond::FromTwoVectors(normals[v], turned[v]) * ways[v];
+    }
+  for (std::size_t v = 0; v < ways.size(); ++v) start[v] += ways[v];
 }
 
 void Obstacles::add_mesh(MPI_Comm comm, const Case& input, int body) {
@@ -211,7 +247,7 @@ void Obstacles::add_triangles(std::span<const std::array<Local, 3>> triangles, i
 
 bool Obstacles::all_rest() const {
   return std::all_of(inputs_.begin(), inputs_.end(), [](const config::Obstacle& o) {
-    return o.motion.empty() && !o.sequence && !(o.growth && std::isfinite(*o.growth));
+    return o.motion.empty() && !o.sequence && !(o.growth && std::isfinite(o.growth->time));
   });
 }
 
@@ -238,7 +274,7 @@ Vec3 Obstacles::place_of(Local vertex, double time) const {
   const int body = body_of_[vertex];
   const auto frames = frames_.find(body);
   Vec3 start = frames == frames_.end() ? start_[vertex] : frames->second.at(vertex, time);
-  if (inputs_[body].growth) start += slimness(body, time) * slim_[vertex];
+  if (inputs_[body].growth) start += slimness(vertex, time) * slim_[vertex];
   return moved(body, start, time);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "src/config/case.hpp"
 #include "src/contact/surface.hpp"
+#include "src/state/state.hpp"
 
 #include <Eigen/Geometry>
 
@@ -42,6 +43,11 @@ public:
   bool all_rest() const; ///< none moves or changes its shape
   const Body& body(int k) const { return bodies_[k]; }
   bool empty() const { return bodies_.empty(); }
+  int body_of(Local vertex) const { return body_of_[vertex]; }
+  std::vector<std::array<Local, 3>> triangles_of(int body) const; ///< numbers of vertices of the body
+  Local first_of(int body) const {                                ///< its first vertex
+    return Local(std::find(body_of_.begin(), body_of_.end(), body) - body_of_.begin());
+  }
 
   std::span<const Vec3> start() const { return start_; } ///< of all vertices, as the case gives them; m
 
@@ -73,6 +79,14 @@ public:
   /// The body nearest to a place, with the vertices of all at `positions` (m).
   Nearest nearest(const Vec3& place, std::span<const Vec3> positions) const;
 
+  /// Whether bodies grow from slim to full (config::Obstacle::growth), and how far they have: `growth`, since
+  /// a time, for all vertices.
+  bool grow() const;
+  void set_growth(BodyGrowth growth, double since);
+  const std::optional<config::Growth>& growth_of(int body) const { return inputs_[body].growth; }
+  double slimness(Local vertex, double time) const; ///< 1: as slim as can be, 0: full
+  Vec3 way_to_slim(Local vertex) const;             ///< m, from where it is when the body is full
+
   /// Where all vertices are at `time`: in the sequence of the body's meshes, if it has one, then turned and
   /// moved by the keyframes; linear between meshes and between keyframes. m.
   void place(double time, std::vector<Vec3>& positions) const;
@@ -86,13 +100,9 @@ private:
 
     Vec3 at(Local vertex, double time) const;
   };
-  Local first_of(int body) const {
-    return Local(std::find(body_of_.begin(), body_of_.end(), body) - body_of_.begin());
-  }
-  std::vector<std::array<Local, 3>> triangles_of(int body) const; ///< from its first vertex on
   void make_room(int body);
+  void hold_back(MPI_Comm comm, const Case& input, int body);
   void make_slim(MPI_Comm comm, int body);
-  double slimness(int body, double time) const; ///< 1: as slim as can be, 0: full
   Vec3 place_of(Local vertex, double time) const;
   Eigen::Affine3d frame_of(Local element, double time) const;
   void add_mesh(MPI_Comm comm, const Case& input, int body);
@@ -110,6 +120,8 @@ private:
   std::vector<Plane> planes_;
   std::map<int, Frames> frames_; ///< of bodies that have a sequence
   std::vector<Vec3> slim_;       ///< m, see ways_to_slim; of the vertices of bodies that grow
+  BodyGrowth growth_;
+  double grown_since_ = 0; ///< s
 };
 
 } // namespace taut

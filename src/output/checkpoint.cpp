@@ -52,6 +52,10 @@ public:
     const auto total = Global(values.size()), mine = rank_of(mesh_.comm) == 0 ? total : 0;
     file_.write<double>(name, std::span(values).first(mine), 1, {0, mine, total});
   }
+  void on_all_if_any(const char* name, const std::vector<double>& values) {
+    const auto total = Global(values.size()), mine = rank_of(mesh_.comm) == 0 ? total : 0;
+    if (total > 0) file_.write<double>(name, std::span(values).first(mine), 1, {0, mine, total});
+  }
   template<class T>
   void on_vertices(const char* name, const std::vector<T>& field) {
     write_field<T>(name, mesh_.vertex_order, field);
@@ -120,6 +124,11 @@ public:
     const Global total = file_.rows(name), mine = rank_of(mesh_.comm) == 0 ? total : 0;
     values = read_rows<double>(name, {0, mine, total});
     values.resize(total, 0.0);
+  }
+  void on_all_if_any(const char* name, std::vector<double>& values) {
+    if (!file_.has(name)) return;
+    added_up(name, values);
+    sum_in_place(mesh_.comm, values);
   }
   template<class T>
   void on_vertices(const char* name, std::vector<T>& field) {

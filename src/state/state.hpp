@@ -24,6 +24,12 @@ struct Reported {
   std::vector<Vec3> contact_force{}; ///< N, of owned vertices: what contacts press and rub
 };
 
+/// How far bodies are that grow, by the vertices of all obstacles; the same on all ranks.
+struct BodyGrowth {
+  std::vector<double> slimness{}; ///< 1: as slim as can be, 0: full
+  std::vector<double> speed{};    ///< 1/s, of the slimness
+};
+
 struct State {
   double time = 0;                ///< s
   Global step = 0;                ///< accepted steps so far
@@ -31,6 +37,7 @@ struct State {
   std::vector<Vec3> velocities{}; ///< m/s
   Multipliers multipliers{};
   Reported reported{};
+  BodyGrowth bodies{};
 
   /// The step before, for bdf2; empty where there was none, and for the other integrators.
   std::vector<Vec3> previous_positions{}, previous_velocities{};
@@ -39,7 +46,8 @@ struct State {
 
 /// Visits every field of the state, with its name in a checkpoint: `visit.on_vertices(name, field)`,
 /// `visit.on_edges(name, field)` and `visit.on_contacts(name, memory)`; those of which the case may have no
-/// use as `visit.on_vertices_if_any` and `visit.on_edges_if_any`. A new field of the state needs a line here
+/// use as `visit.on_vertices_if_any` and `visit.on_edges_if_any`; what all ranks have alike as
+/// `visit.on_all_if_any`. A new field of the state needs a line here
 /// and one in its group, and nothing else.
 template<class S, class V>
 void visit_fields(S& state, V& visit) {
@@ -51,6 +59,8 @@ void visit_fields(S& state, V& visit) {
   visit.on_vertices_if_any("stress", multipliers.stress);
   visit.on_edges_if_any("pulled", multipliers.projection_tension);
   visit.on_contacts("contacts", multipliers.contacts);
+  visit.on_all_if_any("slimness", state.bodies.slimness);
+  visit.on_all_if_any("slimness_speed", state.bodies.speed);
   if (state.previous_dt > 0) {
     visit.on_vertices("previous_positions", state.previous_positions);
     visit.on_vertices("previous_velocities", state.previous_velocities);

@@ -2,6 +2,7 @@
 
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
+#include "src/contact/body_growth.hpp"
 #include "src/state/start.hpp"
 #include "src/time/make_forces.hpp"
 #include "src/time/make_stepper.hpp"
@@ -39,7 +40,9 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       acceptance_(cloth_, resolved_, input.time.max_stretch_change), pins_(cloth_, input, state_.positions),
       pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input, state_.positions)),
       stepper_(make_stepper({cloth_, obstacles_, pattern_, pins_, resolved_, forces_}, input)),
-      step_size_(input.time) {}
+      step_size_(input.time) {
+  grow_bodies();
+}
 
 /// The case may have use for other fields than the one that wrote the state.
 void Simulation::restore(State state, const StepSize::Memory& steps, Global rejected_steps) {
@@ -50,6 +53,7 @@ void Simulation::restore(State state, const StepSize::Memory& steps, Global reje
   state.multipliers.stress.resize(state_.multipliers.stress.size(), Vec2::Zero());
   state.multipliers.projection_tension.resize(state_.multipliers.projection_tension.size(), 0.0);
   state_ = std::move(state);
+  obstacles_.set_growth(state_.bodies, state_.time);
   step_size_.recall(steps);
   rejected_steps_ = rejected_steps;
 }
@@ -108,24 +112,29 @@ double Simulation::strain_over_limit() const {
   return std::max(of_gauge, acceptance_.face_strain(state_.positions) / *resolved_.faces_limit);
 }
 
-/// A projection does what it can even where it fails; nothing intersects then either.
+/// A projection does what it can even where it fails; nothing intersects then either. What strains the cloth
+/// more is tried again with a shorter step, in which contact and forces push less.
 Relaxed Simulation::relax() {
-  constexpr int most_steps = 50;
+  constexpr int most_attempts = 50;
+  constexpr double shorter = 0.25;
   Relaxed result;
   result.strain_before = result.strain = strain_over_limit();
+  double dt = step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt;
   State state = state_;
-  while (result.strain > 1 && result.strain * *resolved_.strain_limit <= most_strain_of_start &&
-         result.steps < most_steps) {
-    attempt(step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt);
+  for (int attempts = 0; attempts < most_attempts && result.strain > 1 &&
+                         result.strain * *resolved_.strain_limit <= most_strain_of_start;
+       ++attempts) {
+    attempt(dt);
     state.positions = candidate_.positions;
     const State before = std::exchange(state_, state);
     const double strain = strain_over_limit();
-    if (!std::isfinite(strain)) {
+    if (strain < result.strain) {
+      result.strain = strain;
+      ++result.steps;
+    } else { // or not a number
       state_ = before;
-      break;
+      dt *= shorter;
     }
-    result.strain = strain;
-    ++result.steps;
   }
   start_depth_ = lowest(cloth_, state_.positions, down_);
   return result;
@@ -165,6 +174,13 @@ void Simulation::accept(double time, double dt) {
   std::swap(state_.reported, candidate_.reported);
   state_.time = time;
   ++state_.step;
+  grow_bodies();
+}
+
+void Simulation::grow_bodies() {
+  if (!obstacles_.grow()) return;
+  state_.bodies = growth_after(cloth_, obstacles_, state_);
+  obstacles_.set_growth(state_.bodies, state_.time);
 }
 
 void Simulation::measure(StepRecord& record) const {

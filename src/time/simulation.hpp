@@ -72,6 +72,7 @@ private:
   double strain_over_limit() const;
   std::string place_of_fault(const Strain& strain, double dt) const;
   void accept(double time, double dt);
+  void grow_bodies();
   void measure(StepRecord& record) const;
 
   Vec3 down_;

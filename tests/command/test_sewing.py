@@ -2,6 +2,7 @@
 """Two panels that are sewn into a tube around a post, then hang from their upper edge."""
 import json
 import os
+import re
 import shutil
 import signal
 import unittest
@@ -144,6 +145,29 @@ class Sewing(Temporary):
         self.assertIn("resuming at t =", out)
         self.assert_sound(run)
         self.assertLess(np.abs(last_positions(run) - last_positions(whole)).max(), 2e-3)
+
+    def test_a_body_stays_back_where_the_garment_is_too_tight(self):
+        thick = "obstacles=[{name: post, capsule: {from: [0, 0, -0.3], to: [0, 0, 0.5], radius: 7 cm}}]"
+        code, out, err = self.taut("run", "case.yaml", "--out", "run", "--set", thick)
+        self.assertEqual((code, err), (0, ""))
+        self.assert_sound(self.folder / "run")
+        told = re.search(r"post: [0-9]+ of its vertices stay back by up to ([0-9.]+) mm, at \(", out)
+        self.assertIsNotNone(told, out)
+        around = 1000 * 0.4 / (2 * np.pi)  # mm, of the tube
+        self.assertGreater(float(told[1]), 70 - around)
+        self.assertLess(float(told[1]), 70 - around + 15)
+        code, _, err = self.taut("run", "case.yaml", "--from", "run", "--out", "fine", "--set", thick, "--set",
+                                 "time.end=0.05", "--set", "cloth.edge=0.03", ranks=2)
+        self.assertEqual((code, err), (0, ""))
+
+    def test_a_fitting_that_was_stopped_goes_on_to_the_same_end(self):
+        whole = self.sewn("whole")
+        job = running.Job(self.folder, ("run", "case.yaml", "--out", "stopped"), 1)
+        self.assertTrue(job.wait_for(lambda: rows(self.folder / "stopped/fitting") >= 10))
+        os.kill(job.ranks()[0], signal.SIGTERM)
+        job.end()
+        self.assertEqual(self.taut("resume", "stopped", ranks=1)[0], 0)
+        self.assertLess(np.abs(last_positions(self.folder / "stopped") - last_positions(whole)).max(), 1e-4)
 
     def test_a_seam_that_cannot_close_is_named(self):
         code, _, err = self.taut("run", "case.yaml", "--set", "sewing.force=0.001", "--set", "sewing.limit=0.4")
