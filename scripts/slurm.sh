@@ -52,6 +52,7 @@ command -v "${launch[0]}" > /dev/null || {
   exit 2
 }
 if [ -f "$out/case.yaml" ]; then
+  echo "slurm.sh: $out holds a run, which goes on as its own case.yaml says; other settings: taut resume $out --set KEY=VALUE"
   exec "${launch[@]}" "$taut" resume "$out"
 fi
 exec "${launch[@]}" "$taut" run "$@"

@@ -42,8 +42,8 @@ std::string verdict(const PartitionFigures& f) {
     return "  verdict: some ranks have no vertices at all, and would only wait; use fewer ranks\n";
   if (f.vertices.mean < enough)
     return fmt::format(
-        "  verdict: {:.0f} vertices a rank are few, and messages may take longer than work; {} "
-        "ranks or fewer would be better used\n",
+        "  verdict: {:.0f} vertices a rank are few, and messages may take longer than work; better "
+        "--ranks {}\n",
         f.vertices.mean, std::max(1, int(f.vertices.mean * f.parts / enough)));
   if (f.imbalance > 1.2)
     return fmt::format(
