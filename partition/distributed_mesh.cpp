@@ -289,4 +289,9 @@ DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& 
   return distributed;
 }
 
+DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, Partitioner method) {
+  const Topology topology = find_topology(comm, mesh);
+  return distribute(comm, mesh, topology, partition(comm, mesh, topology, method));
+}
+
 } // namespace taut

@@ -121,4 +121,7 @@ double mean_edge(const DistributedMesh& mesh);
 DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                            const std::vector<int>& owners);
 
+/// The same from the mesh alone, for programs that want neither its topology nor its cut. Collective.
+DistributedMesh distribute(MPI_Comm comm, const MeshSlab& mesh, Partitioner method = Partitioner::metis);
+
 } // namespace taut

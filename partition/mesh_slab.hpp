@@ -57,4 +57,7 @@ struct MeshSlab {
   std::vector<Global> cell_lines; ///< the same for cells
 };
 
+/// The slab of this rank of a mesh that every rank has whole, as small programs do. Not collective.
+MeshSlab slab_of_whole(MPI_Comm comm, const std::vector<Vec3>& points, const std::vector<Cell>& cells);
+
 } // namespace taut

@@ -14,7 +14,10 @@
 namespace taut {
 
 Session::Session(int& argc, char**& argv, std::span<const std::string> petsc_options) {
-  MPI_Init(&argc, &argv);
+  int is_started = 0;
+  MPI_Initialized(&is_started);
+  if (is_started == 0) MPI_Init(&argc, &argv);
+  owns_mpi_ = is_started == 0;
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_ARE_FATAL);
   std::vector<char*> options{argv[0]};
   std::vector<std::string> kept(petsc_options.begin(), petsc_options.end());
@@ -32,7 +35,7 @@ Session::Session(int& argc, char**& argv, std::span<const std::string> petsc_opt
 
 Session::~Session() {
   PetscFinalize();
-  MPI_Finalize();
+  if (owns_mpi_) MPI_Finalize();
 }
 
 namespace {

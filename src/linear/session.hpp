@@ -6,8 +6,8 @@
 
 namespace taut {
 
-/// Starts MPI and PETSc, ends them when it goes. One a program, first thing in `main`. PETSc's options come
-/// from `petsc_options` alone (`{"-velocity_ksp_monitor", ...}`) and from the environment variable
+/// Starts PETSc, and MPI if nobody did; ends what it started when it goes. One a program. PETSc's options
+/// come from `petsc_options` alone (`{"-velocity_ksp_monitor", ...}`) and from the environment variable
 /// PETSC_OPTIONS, never from the command line. PETSc's signal handlers and error printing stay off.
 class Session {
 public:
@@ -15,6 +15,9 @@ public:
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
+
+private:
+  bool owns_mpi_;
 };
 
 /// Adds options, separated by spaces, to those that are given, or puts them in their place. Not collective,

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """What `cmake --install` leaves in a clean prefix serves: program, scripts, Python, and the projection as a library."""
+import math
 import os
+import re
 import subprocess
 import sys
 import unittest
@@ -39,14 +41,20 @@ class Installation(running.Folder):
             text = header.read_text()
             self.assertNotRegex(text, '#include "|#include <(hdf5|embree|CGAL|yaml)', header)
             self.assertNotIn("contact/", "".join(line for line in text.splitlines() if "#include" in line), header)
-        project = launch.ROOT / "tests/library"
-        self.done("cmake", "-S", project, "-B", "built", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}",
+        page = (launch.ROOT / "scripts/README.md").read_text()  # the project is the one that is printed there
+        for language, name in (("cmake", "CMakeLists.txt"), ("cpp", "main.cpp")):
+            blocks = re.findall(rf"^```{language}\n(.*?)^```", page, re.M | re.S)
+            (self.folder / name).write_text(blocks[0])
+        self.done("cmake", "-S", ".", "-B", "built", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}",
                   "-DCMAKE_BUILD_TYPE=Release")
         self.done("cmake", "--build", "built")
         program = self.folder / "built/hung_sheet"
         for ranks in (1, 2):
             said = self.done(*launch.command(program, ranks=ranks), env=launch.ENVIRONMENT)
-            self.assertRegex(said, r"^largest strain 0\.0\d+$")
+            found = {int(n): (float(x), float(y)) for n, x, y in re.findall(r"vertex (\d): (\S+) (\S+)", said)}
+            self.assertEqual(sorted(found), list(range(6)))
+            for a, b in ((0, 1), (1, 2), (3, 4), (4, 5), (0, 3), (1, 4), (2, 5)):
+                self.assertAlmostEqual(math.dist(found[a], found[b]), 1, delta=0.0101)
         needed = self.done("readelf", "--dynamic", program)
         self.assertIn("libpetsc", needed)
         self.assertNotRegex(needed, "NEEDED.*(hdf5|embree|geos|yaml|gmp)")
