@@ -21,7 +21,7 @@ GAMMAS = (17, 20)
 
 
 def plan(quick):
-    meshes = [("quads", 0.005, 2), ("equilateral", 0.005, 2)] if quick else MESHES
+    meshes = [("quads", 0.0025, 4), ("equilateral", 0.005, 2)] if quick else MESHES
     return cases.points(KEYS, *((mesh, gamma, *cells) for mesh, *cells in meshes for gamma in GAMMAS))
 
 

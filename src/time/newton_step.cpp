@@ -140,7 +140,8 @@ double NewtonStep<Set>::unit_of_movement(const StepStart& start, const Candidate
 template<ConstraintSetInNewton Set>
 bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepReport& report) {
   constexpr double part_of_limit = 0.1, part_of_strain = 0.3; // what turns comes on top
-  constexpr double steps = 3, still = 1e-3; // in which it moves as far; of the unit: what stands still
+  constexpr double steps = 2; // in which it moves as far; with 3 what rests loses it (src/newton/README.md)
+  constexpr double still = 1e-3; // of the unit: what stands still
   stiffen();
   if (has_contacts()) hold_contacts();
   solver_.factor(stiffness_);
