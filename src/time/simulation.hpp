@@ -41,6 +41,7 @@ public:
   /// move the cloth, and no time passes. What is strained by more than `most_strain` is left as it is.
   /// Collective.
   Relaxed relax();
+  double strain_over_limit() const; ///< the largest, of single triangles over theirs too; 0 without limit
   static constexpr double most_strain_of_start = 0.5;
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
@@ -69,7 +70,6 @@ private:
   };
   static bool never() { return false; }
   Attempt attempt(double dt);
-  double strain_over_limit() const;
   std::string place_of_fault(const Strain& strain, double dt) const;
   void accept(double time, double dt);
   void grow_bodies();
