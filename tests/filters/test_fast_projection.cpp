@@ -173,6 +173,33 @@ TEST(FastProjection, ReportsTheTensionThatItApplied) {
   });
 }
 
+// A fifth of the stretch is left to an edge that yields a quarter of what its ends do.
+TEST(FastProjection, StretchesAnEdgeByItsCompliance) {
+  constexpr double stretch = 1e-2, length = 0.1;
+  const auto velocity = [](Global v) { return v == 0 ? Vec3(0, 0, 0) : Vec3(stretch * length / dt, 0, 0); };
+  on_odd_partitions(dumbbell, [&](DistributedMesh mesh) {
+    Throw t(std::move(mesh), velocity);
+    config::Inextensibility how = options(cg);
+    how.strain = 0.5 * stretch;
+    const double mass = config::Material{}.density * length / 2;
+    how.compliance = 0.25 * (2 / mass) * dt * dt / length;
+    EXPECT_EQ(t.project(how).failure, "");
+    const DistributedMesh& m = t.cloth.mesh;
+    std::vector<Vec3> x = t.end();
+    m.vertex_halo.update(x);
+    double tension = 0, strain = 0;
+    for (Local e = 0; e < m.edges.owned; ++e) {
+      tension = t.candidate.multipliers.force_density[e] * length;
+      strain = (x[m.edge_vertices[e][1]] - x[m.edge_vertices[e][0]]).norm() / length - 1;
+    }
+    tension = sum_over(world, tension);
+    strain = sum_over(world, strain);
+    EXPECT_NEAR(strain / (*how.compliance * tension), 1,
+                0.05); // one iteration, of second order in the stretch
+    EXPECT_NEAR(strain / (stretch / 5), 1, 0.05);
+  });
+}
+
 namespace {
 
 /// The farthest that the projection moves a vertex of a sheet of length 1 rolled about a cylinder of radius
