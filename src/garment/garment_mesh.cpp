@@ -5,6 +5,7 @@
 #include "partition/sort_unique.hpp"
 #include "src/garment/panel_mesh.hpp"
 #include "src/garment/polygon.hpp"
+#include "src/garment/short_edges.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -171,6 +172,8 @@ GarmentMesh mesh_garment(const SewingPattern& pattern, const EdgeLengths& length
   check_size(pattern, lengths);
   const auto outlines = sample_outlines(pattern, lengths);
   GarmentMesh mesh;
+  if (const auto told = describe(find_short_edges(pattern, lengths), pattern); !told.empty())
+    mesh.warnings.push_back(told);
   for (std::size_t p = 0; p < pattern.panels.size(); ++p)
     add_panel(mesh, pattern.panels[p], outlines[p], edge_length_of(lengths, pattern.panels[p]));
   add_seams(mesh, pattern);

@@ -2,8 +2,10 @@
 
 #include "partition/error.hpp"
 #include "src/config/suggest.hpp"
+#include "src/garment/short_edges.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -68,36 +70,38 @@ struct Strip {
   Grading grading{};
 };
 
-std::vector<Strip> find_strips(const SewingPattern& pattern) {
-  std::vector<std::vector<int>> sewn; // of each edge of each panel
-  for (const Panel& p : pattern.panels) sewn.emplace_back(p.edges.size(), 0);
+/// All but those that are points.
+std::vector<Strip> find_strips(const SewingPattern& pattern, const ShortEdges& points) {
+  ShortEdges done = points;
   const auto side = [&](const SeamSide& s, bool backwards) {
     return Strip::Side{s, backwards, length_of(pattern.panels[s.panel].edges[s.edge].curve)};
   };
   std::vector<Strip> strips;
   for (const Seam& seam : pattern.seams) {
     const auto& [one, two] = seam.sides;
+    if (points[one.panel][one.edge]) continue;
     strips.push_back({{side(one, false), side(two, seam.direction == SeamDirection::start_to_end)}});
-    sewn[one.panel][one.edge] = sewn[two.panel][two.edge] = 1;
+    done[one.panel][one.edge] = done[two.panel][two.edge] = 1;
   }
   for (int p = 0; p < int(pattern.panels.size()); ++p)
     for (int e = 0; e < int(pattern.panels[p].edges.size()); ++e)
-      if (!sewn[p][e]) strips.push_back({{side({p, e}, false)}});
+      if (!done[p][e]) strips.push_back({{side({p, e}, false)}});
   return strips;
 }
 
 /// Shortens segments next to shorter ones, and so those sewn to them, until there is nothing more to do. None
 /// becomes shorter than the shortest was: seams in a circle, each gathered, could go on for ever.
-void grade(std::vector<Strip>& strips, const SewingPattern& pattern) {
+void grade(std::vector<Strip>& strips, const ShortEdges& points) {
   double least = HUGE_VAL; // m
   for (const Strip& strip : strips)
     for (const auto& s : strip.sides) least = std::min(least, strip.grading.inside * s.length);
   for (;;) {
     std::vector<std::vector<double>> shortest; // segment at each vertex, m
-    for (const Panel& p : pattern.panels) shortest.emplace_back(p.edges.size(), HUGE_VAL);
+    for (const auto& edges : points) shortest.emplace_back(edges.size(), HUGE_VAL);
     const auto at = [&](const Strip::Side& s, bool at_end) -> double& {
       auto& of_panel = shortest[s.edge.panel];
-      return of_panel[(s.edge.edge + (at_end != s.backwards)) % of_panel.size()];
+      const std::size_t start = (s.edge.edge + (at_end != s.backwards)) % of_panel.size();
+      return of_panel[(start + points[s.edge.panel][start]) % of_panel.size()];
     };
     for (const Strip& strip : strips)
       for (const auto& s : strip.sides) {
@@ -116,6 +120,21 @@ void grade(std::vector<Strip>& strips, const SewingPattern& pattern) {
     }
     if (!changed) return;
   }
+}
+
+using EdgePoints =
+    std::vector<std::vector<std::vector<Vec2>>>; ///< of each edge of each panel, with both ends
+
+/// Puts the point that stands for a short edge in its middle.
+void draw_together(EdgePoints& points, const ShortEdges& drawn, const SewingPattern& pattern) {
+  for (std::size_t p = 0; p < points.size(); ++p)
+    for (std::size_t e = 0; e < points[p].size(); ++e) {
+      if (!drawn[p][e]) continue;
+      const std::size_t n = points[p].size();
+      const Vec2 middle = points_along(pattern.panels[p].edges[e].curve, std::array{0.0, 0.5, 1.0})[1];
+      points[p][(e + n - 1) % n].back() = points[p][(e + 1) % n].front() = middle;
+      points[p][e] = {middle};
+    }
 }
 
 } // namespace
@@ -145,15 +164,16 @@ std::vector<int> Outline::of_edge(int edge) const {
 }
 
 std::vector<Outline> sample_outlines(const SewingPattern& pattern, const EdgeLengths& lengths) {
-  std::vector<Strip> strips = find_strips(pattern);
+  const ShortEdges drawn_together = find_short_edges(pattern, lengths);
+  std::vector<Strip> strips = find_strips(pattern, drawn_together);
   for (Strip& strip : strips) {
     double part = 1;
     for (const auto& s : strip.sides)
       part = std::min(part, edge_length_of(lengths, pattern.panels[s.edge.panel]) / s.length);
     strip.grading = {part, part, part};
   }
-  grade(strips, pattern);
-  std::vector<std::vector<std::vector<Vec2>>> points; // of each edge of each panel
+  grade(strips, drawn_together);
+  EdgePoints points;
   for (const Panel& p : pattern.panels) points.emplace_back(p.edges.size());
   for (const Strip& strip : strips) {
     const std::vector<double> parts = strip.grading.parts();
@@ -164,6 +184,7 @@ std::vector<Outline> sample_outlines(const SewingPattern& pattern, const EdgeLen
       points[s.edge.panel][s.edge.edge] = points_along(curve, s.backwards ? mirrored : parts);
     }
   }
+  draw_together(points, drawn_together, pattern);
   std::vector<Outline> outlines(points.size());
   for (std::size_t p = 0; p < points.size(); ++p)
     for (const auto& edge : points[p]) {

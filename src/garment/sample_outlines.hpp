@@ -19,7 +19,8 @@ void check_edge_lengths(const EdgeLengths& lengths, const SewingPattern& pattern
 double edge_length_of(const EdgeLengths& lengths, const Panel& panel);
 
 /// Points on the loop of a panel, in its order and its plane, m. Those of edge k begin with point first[k]
-/// and end with the first of edge k + 1.
+/// and end with the first of edge k + 1. An edge much shorter than those of the mesh is one point, the first
+/// of the next; first[k] of the last edge is then the number of points.
 struct Outline {
   std::vector<Vec2> points;
   std::vector<int> first;
@@ -31,7 +32,8 @@ struct Outline {
 /// Cuts all edges of all panels into segments about as long as the panel's edge length (0.6 to 1.25 times),
 /// equal along an edge. The two edges of a seam get the same number, at the same parts of their lengths: as
 /// many as the one that needs more. Next to shorter segments, of a short edge or a finer panel, segments
-/// grow, so that neighbours differ by a factor of about two at most.
+/// grow, so that neighbours differ by a factor of about two at most. Edges much shorter than that become
+/// points (short_edges.hpp).
 std::vector<Outline> sample_outlines(const SewingPattern& pattern, const EdgeLengths& lengths);
 
 } // namespace taut::garment

@@ -19,7 +19,8 @@ struct Tip {
 std::vector<Tip> find_tips(std::span<const Vec2> outline, std::span<const int> corners, double spacing) {
   constexpr double sharp = std::numbers::pi / 6;
   std::vector<Tip> tips;
-  for (const int c : corners) {
+  for (const int corner : corners) {
+    const std::size_t c = std::size_t(corner) % outline.size();
     const Vec2 &at = outline[c], on = outline[(c + 1) % outline.size()] - at,
                back = outline[(c + outline.size() - 1) % outline.size()] - at;
     const double angle = std::atan2(on[0] * back[1] - on[1] * back[0], on.dot(back));

@@ -13,6 +13,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 #include <set>
 
@@ -90,13 +92,21 @@ void expect_same(const MeshSlab& read, const MeshSlab& made, double tolerance) {
   }
 }
 
+/// The edges from each of n vertices to the next, around a panel.
+std::string loop(int n) {
+  std::string edges;
+  for (int i = 0; i < n; ++i)
+    edges += fmt::format("{}{{endpoints: [{}, {}]}}", i ? ", " : "", i, (i + 1) % n);
+  return edges;
+}
+
 } // namespace
 
 TEST(GarmentMesh, OfAShirtHasGoodTrianglesAtAnySize) {
   for (const double edge : {0.03, 0.02, 0.01, 0.005}) {
     const auto mesh = shirt(edge);
     ASSERT_EQ(mesh.panels.size(), 8u);
-    EXPECT_TRUE(mesh.warnings.empty());
+    EXPECT_EQ(mesh.warnings.size(), edge == 0.03 ? 1u : 0u); // it has edges of 7.5 mm
     for (const auto& panel : mesh.panels) EXPECT_GT(panel.sharpest.angle, 20 * degree) << edge << panel.name;
   }
 }
@@ -132,6 +142,46 @@ TEST(GarmentMesh, SewsDartsGathersAndRightToWrong) {
   EXPECT_EQ(curves.seams[0].pairs.front()[1], disc.first_vertex + disc.outline.of_edge(0).front());
   EXPECT_EQ(Global(curves.labels.at("greenery").size()), leaf.vertices);
   EXPECT_EQ(curves.labels.at("tip").size(), leaf.outline.of_edge(2).size() + leaf.outline.of_edge(5).size());
+}
+
+TEST(GarmentMesh, DrawsEdgesFarShorterThanItsOwnToPoints) {
+  // two panels, sewn along three edges, the middle one of 1 mm
+  const std::string text =
+      "panels:\n"
+      "  a: {vertices: [[0, 0], [0.3, 0], [0.3, 0.1], [0.3, 0.101], [0.3, 0.2], [0, 0.2]], edges: [" +
+      loop(6) +
+      "]}\n"
+      "  b: {vertices: [[0, -0.1], [0, -0.2], [0.2, -0.2], [0.2, 0], [0, 0], [0, -0.099]], edges: [" +
+      loop(6) +
+      "]}\nstitches:\n  - [{panel: a, edge: 1}, {panel: b, edge: 0}]\n"
+      "  - [{panel: a, edge: 2}, {panel: b, edge: 5}]\n  - [{panel: a, edge: 3}, {panel: b, edge: 4}]\n";
+  const auto mesh = mesh_garment(pattern_of(text), {0.01, {}});
+  ASSERT_EQ(mesh.warnings.size(), 1u);
+  EXPECT_EQ(mesh.warnings[0], "shirt.yaml: a.2 (1 mm) and 1 more are shorter than a quarter of the mesh's "
+                              "edges and become points of it; shorter edges keep them");
+  ASSERT_EQ(mesh.seams[1].pairs.size(), 1u);
+  const auto [a, b] = mesh.seams[1].pairs[0];
+  EXPECT_NEAR(mesh.positions[a][1], 0.1005, 1e-12); // in its middle
+  EXPECT_NEAR(mesh.positions[b][1], -0.0995, 1e-12);
+  EXPECT_EQ(mesh.seams[0].pairs.back(), mesh.seams[1].pairs[0]);
+  EXPECT_EQ(mesh.seams[2].pairs.front(), mesh.seams[1].pairs[0]);
+  for (const auto& seam : mesh.seams)
+    for (const int side : {0, 1})
+      for (const double step : steps(mesh, seam, side)) EXPECT_GT(step, 0.9);
+  EXPECT_TRUE(mesh_garment(pattern_of(text), {0.003, {}}).warnings.empty());
+}
+
+TEST(GarmentMesh, KeepsAnOutlineOfShortEdgesAlone) {
+  // a disc of 60 edges of 2 mm: every second one is a point
+  std::string vertices;
+  for (int i = 0; i < 60; ++i)
+    vertices += fmt::format("{}[{}, {}]", i ? ", " : "", 0.0191 * std::cos(i * std::numbers::pi / 30),
+                            0.0191 * std::sin(i * std::numbers::pi / 30));
+  const auto mesh = mesh_garment(
+      pattern_of("panels: {a: {vertices: [" + vertices + "], edges: [" + loop(60) + "]}}"), {0.009, {}});
+  EXPECT_EQ(mesh.panels[0].outline.points.size(), 30u);
+  EXPECT_EQ(mesh.panels[0].outline.of_edge(58), (std::vector<int>{29}));
+  EXPECT_EQ(mesh.panels[0].outline.of_edge(59), (std::vector<int>{29, 0}));
 }
 
 TEST(GarmentMesh, WarnsOfUnequalSeams) {
