@@ -5,7 +5,6 @@
 #include "partition/sort_unique.hpp"
 #include "src/garment/panel_mesh.hpp"
 #include "src/garment/polygon.hpp"
-#include "src/garment/short_edges.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,6 +107,23 @@ void add_panel(GarmentMesh& all, const Panel& panel, const Outline& outline, dou
   all.panels.push_back(std::move(made));
 }
 
+/// Of edges that were too short for the mesh (short_edges.hpp).
+void warn_of_points(GarmentMesh& all, const SewingPattern& pattern) {
+  std::vector<SeamSide> points;
+  for (int p = 0; p < int(pattern.panels.size()); ++p)
+    for (int e = 0; e < int(pattern.panels[p].edges.size()); ++e)
+      if (all.panels[p].outline.of_edge(e).size() == 1) points.push_back({p, e});
+  if (points.empty()) return;
+  const auto [panel, edge] = points.front();
+  const bool many = points.size() > 1;
+  all.warnings.push_back(fmt::format(
+      "{}: {} ({:.2g} mm){} shorter than a quarter of the mesh's edges and {} of it; shorter edges keep {}",
+      pattern.name, name_of(pattern, points.front()),
+      1000 * length_of(pattern.panels[panel].edges[edge].curve),
+      many ? fmt::format(" and {} more are", points.size() - 1) : " is",
+      many ? "become points" : "becomes a point", many ? "them" : "it"));
+}
+
 void add_seams(GarmentMesh& all, const SewingPattern& pattern) {
   for (const Seam& seam : pattern.seams) {
     MeshedSeam made{name_of(pattern, seam), {}, {}};
@@ -172,10 +188,9 @@ GarmentMesh mesh_garment(const SewingPattern& pattern, const EdgeLengths& length
   check_size(pattern, lengths);
   const auto outlines = sample_outlines(pattern, lengths);
   GarmentMesh mesh;
-  if (const auto told = describe(find_short_edges(pattern, lengths), pattern); !told.empty())
-    mesh.warnings.push_back(told);
   for (std::size_t p = 0; p < pattern.panels.size(); ++p)
     add_panel(mesh, pattern.panels[p], outlines[p], edge_length_of(lengths, pattern.panels[p]));
+  warn_of_points(mesh, pattern);
   add_seams(mesh, pattern);
   add_labels(mesh, pattern);
   return mesh;

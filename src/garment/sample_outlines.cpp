@@ -72,7 +72,6 @@ struct Strip {
 
 /// All but those that are points.
 std::vector<Strip> find_strips(const SewingPattern& pattern, const ShortEdges& points) {
-  ShortEdges done = points;
   const auto side = [&](const SeamSide& s, bool backwards) {
     return Strip::Side{s, backwards, length_of(pattern.panels[s.panel].edges[s.edge].curve)};
   };
@@ -81,11 +80,9 @@ std::vector<Strip> find_strips(const SewingPattern& pattern, const ShortEdges& p
     const auto& [one, two] = seam.sides;
     if (points[one.panel][one.edge]) continue;
     strips.push_back({{side(one, false), side(two, seam.direction == SeamDirection::start_to_end)}});
-    done[one.panel][one.edge] = done[two.panel][two.edge] = 1;
   }
-  for (int p = 0; p < int(pattern.panels.size()); ++p)
-    for (int e = 0; e < int(pattern.panels[p].edges.size()); ++e)
-      if (!done[p][e]) strips.push_back({{side({p, e}, false)}});
+  for (const SeamSide& s : unsewn_edges(pattern))
+    if (!points[s.panel][s.edge]) strips.push_back({{side(s, false)}});
   return strips;
 }
 

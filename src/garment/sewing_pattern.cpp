@@ -10,6 +10,18 @@ double signed_area(const Panel& panel) {
   return area;
 }
 
+std::vector<SeamSide> unsewn_edges(const SewingPattern& pattern) {
+  std::vector<std::vector<char>> sewn; // of each edge of each panel
+  for (const Panel& p : pattern.panels) sewn.emplace_back(p.edges.size(), 0);
+  for (const Seam& seam : pattern.seams)
+    for (const SeamSide& s : seam.sides) sewn[s.panel][s.edge] = 1;
+  std::vector<SeamSide> unsewn;
+  for (int p = 0; p < int(sewn.size()); ++p)
+    for (int e = 0; e < int(sewn[p].size()); ++e)
+      if (!sewn[p][e]) unsewn.push_back({p, e});
+  return unsewn;
+}
+
 std::string name_of(const SewingPattern& pattern, const SeamSide& side) {
   return fmt::format("{}.{}", pattern.panels[side.panel].name, side.edge);
 }

@@ -65,6 +65,9 @@ struct SewingPattern {
 /// The area inside the outline, m^2: positive if the loop runs counter-clockwise.
 double signed_area(const Panel& panel);
 
+/// The edges that are in no seam, panel by panel.
+std::vector<SeamSide> unsewn_edges(const SewingPattern& pattern);
+
 /// "collar.3": an edge, as messages and files call it.
 std::string name_of(const SewingPattern& pattern, const SeamSide& side);
 

@@ -1,8 +1,6 @@
 #include "src/garment/short_edges.hpp"
 
 #include <algorithm>
-#include <array>
-#include <fmt/format.h>
 #include <span>
 
 namespace taut::garment {
@@ -59,34 +57,9 @@ private:
 
 ShortEdges find_short_edges(const SewingPattern& pattern, const EdgeLengths& lengths) {
   Finder finder(pattern, lengths);
-  ShortEdges sewn;
-  for (const Panel& p : pattern.panels) sewn.emplace_back(p.edges.size(), 0);
-  for (const Seam& seam : pattern.seams) {
-    for (const SeamSide& s : seam.sides) sewn[s.panel][s.edge] = 1;
-    finder.draw(seam.sides);
-  }
-  for (int p = 0; p < int(sewn.size()); ++p)
-    for (int e = 0; e < int(sewn[p].size()); ++e)
-      if (!sewn[p][e]) finder.draw(std::array{SeamSide{p, e}});
+  for (const Seam& seam : pattern.seams) finder.draw(seam.sides);
+  for (const SeamSide& s : unsewn_edges(pattern)) finder.draw({&s, 1});
   return finder.found;
-}
-
-std::string describe(const ShortEdges& edges, const SewingPattern& pattern) {
-  std::string first;
-  int count = 0;
-  for (int p = 0; p < int(edges.size()); ++p)
-    for (int e = 0; e < int(edges[p].size()); ++e) {
-      if (!edges[p][e]) continue;
-      if (++count == 1)
-        first = fmt::format("{} ({:.2g} mm)", name_of(pattern, SeamSide{p, e}),
-                            1000 * length_of(pattern.panels[p].edges[e].curve));
-    }
-  if (count == 0) return {};
-  const bool many = count > 1;
-  return fmt::format(
-      "{}: {}{} shorter than a quarter of the mesh's edges and {} of it; shorter edges keep {}", pattern.name,
-      first, many ? fmt::format(" and {} more are", count - 1) : " is",
-      many ? "become points" : "becomes a point", many ? "them" : "it");
 }
 
 } // namespace taut::garment

@@ -14,7 +14,4 @@ using ShortEdges = std::vector<std::vector<char>>;
 /// drawn to a point meet, and no panel keeps less than three edges.
 ShortEdges find_short_edges(const SewingPattern& pattern, const EdgeLengths& lengths);
 
-/// A line that tells of them; empty if there are none.
-std::string describe(const ShortEdges& edges, const SewingPattern& pattern);
-
 } // namespace taut::garment
