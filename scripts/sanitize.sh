@@ -3,6 +3,7 @@
 export ASAN_OPTIONS=detect_stack_use_after_return=1:allocator_may_return_null=1
 export LSAN_OPTIONS=suppressions=$PWD/tests/sanitize/leaks.supp:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
+export OMPI_MCA_opal_signal= # no handler of MPI's: libFuzzer's own keeps the input that was found
 
 # The build in build-sanitize: clang++, AddressSanitizer, UBSan, assertions of Eigen and of the C++ library, fuzzers.
 configure_sanitized() {

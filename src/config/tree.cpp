@@ -3,6 +3,7 @@
 #include "src/config/one_document.hpp"
 
 #include <algorithm>
+#include <boost/locale/utf.hpp>
 #include <charconv>
 #include <fmt/format.h>
 #include <functional>
@@ -18,6 +19,17 @@ Place place_in_file(const std::string& name) {
   return [name](const YAML::Mark& m) {
     return fmt::format("{}:{}:{}", name, std::max(m.line, 0) + 1, std::max(m.column, 0) + 1);
   };
+}
+
+/// UTF-8 without control characters but tab and line feed, which alone is written and read again as it was.
+bool is_text(const std::string& bytes) {
+  namespace utf = boost::locale::utf;
+  for (auto at = bytes.begin(); at != bytes.end();) {
+    const utf::code_point c = utf::utf_traits<char>::decode(at, bytes.end());
+    const bool is_control = (c < 0x20 && c != '\t' && c != '\n') || c == 0x7f;
+    if (is_control || !utf::is_valid_codepoint(c)) return false;
+  }
+  return true;
 }
 
 /// Deeper than any case; an alias that holds itself has no end.
@@ -39,7 +51,7 @@ public:
       throw InputError(tree.place + ": aliases (*) stand for too many values; write them out");
     if (node.IsScalar()) {
       tree.kind = Tree::Kind::scalar;
-      tree.text = node.Scalar();
+      tree.text = text_of(node, tree.place);
     } else if (node.IsSequence()) {
       tree.kind = Tree::Kind::list;
       for (const auto& item : node) tree.items.push_back(convert(item, depth + 1));
@@ -51,14 +63,21 @@ public:
   }
 
 private:
+  static std::string text_of(const YAML::Node& scalar, const std::string& place) {
+    if (!is_text(scalar.Scalar()))
+      throw InputError(place + ": not text: there are bytes here that are no printable UTF-8; remove them");
+    return scalar.Scalar();
+  }
+
   void add(Tree& map, const YAML::Node& key, Tree value) const {
     const std::string place = place_(key.Mark());
     if (!key.IsScalar()) throw InputError(place + ": a key must be a word");
-    if (const Entry* first = map.find(key.Scalar()))
-      throw InputError(fmt::format("{}: key '{}' is given twice (first at {}); remove one", place,
-                                   key.Scalar(), first->place));
+    const std::string name = text_of(key, place);
+    if (const Entry* first = map.find(name))
+      throw InputError(
+          fmt::format("{}: key '{}' is given twice (first at {}); remove one", place, name, first->place));
     if (value.kind == Tree::Kind::nothing) value.place = place; // its own place is that of what follows
-    map.entries.push_back({key.Scalar(), place, origin_, std::move(value)});
+    map.entries.push_back({name, place, origin_, std::move(value)});
   }
 
   Place place_;

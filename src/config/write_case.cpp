@@ -70,7 +70,8 @@ void write(YAML::Emitter& out, const std::map<std::string, T>& values) {
 
 void write(YAML::Emitter& out, const Gravity& value) {
   const auto& keyframes = value.keyframes;
-  keyframes.size() == 1 ? write(out, keyframes.front().value) : write(out, keyframes);
+  const bool is_vector = keyframes.size() == 1 && keyframes.front().time == 0;
+  is_vector ? write(out, keyframes.front().value) : write(out, keyframes);
 }
 
 template<class T>

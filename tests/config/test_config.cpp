@@ -141,6 +141,8 @@ TEST(Config, GravityIsAVectorOrKeyframes) {
   EXPECT_EQ(c.gravity.at(4), Vec3(0, 0, 9));
   EXPECT_EQ(c.gravity.largest(), 9);
   EXPECT_EQ(read_case(write_case(c), "case.yaml").gravity, c.gravity);
+  const Case single = read(grid + "gravity: [{time: 1, value: [0, 0, -9]}]");
+  EXPECT_EQ(read(write_case(single)).gravity, single.gravity);
   EXPECT_EQ(error(grid + "gravity: [{time: 1, value: [0, 0, 1]}, {time: 1, value: [0, 0, 2]}]"),
             at("2:10", "gravity: times must increase from keyframe to keyframe; sort them"));
   EXPECT_THAT(error(grid + "gravity: [{time: 1}]"), testing::HasSubstr("gravity.0: missing key 'value'"));
@@ -256,6 +258,25 @@ TEST(Config, RoundTripOfNumbersAndNames) {
     c.name = name;
     EXPECT_EQ(read(write_case(c)).name, name);
   }
+}
+
+// Texts that would not be read again as they were are refused; the others are.
+TEST(Config, RoundTripOfBytes) {
+  const auto is_control = [](int byte) { return byte < 0x20 || byte == 0x7f; };
+  for (int byte = 1; byte < 0x80; ++byte)
+    for (const std::string around : {"", "a", " ", "\n", "\xc3\xa4"}) {
+      Case c = read(grid);
+      c.name = around + static_cast<char>(byte) + around;
+      if (c.name == "." || byte == '/') continue;
+      if (is_control(byte) && byte != '\t' && byte != '\n')
+        EXPECT_ANY_THROW(read(write_case(c))) << byte;
+      else
+        EXPECT_EQ(read(write_case(c)).name, c.name) << byte;
+    }
+  const std::string refusal = "not text: there are bytes here that are no printable UTF-8; remove them";
+  EXPECT_EQ(error(grid + "name: a\xff"), at("2:7", refusal));
+  EXPECT_EQ(error(grid + "name: \"\\r\""), at("2:7", refusal));
+  EXPECT_EQ(error(grid + "\xc3(: 1"), at("2:1", refusal));
 }
 
 // Schema and table.
