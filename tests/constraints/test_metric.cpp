@@ -232,6 +232,26 @@ TEST(MetricSet, SolveForWhatIsLeft) {
     });
 }
 
+// A compliance is of length over force: in short steps a row would yield more than its masses do.
+TEST(MetricSet, YieldWithContactByAThousandthOfWhatTheirMassesDo) {
+  const config::Inextensibility how = limits(0.01, cg);
+  constexpr double short_step = 1e-4; // s
+  for (const auto use : {ConstraintUse::alone, ConstraintUse::with_contact}) {
+    Throw t(serial(uneven_triangles));
+    MetricSet rows(t.cloth, how, use);
+    rows.start(t.start, short_step, Freedom(t.held), t.candidate);
+    rows.evaluate(t.start.positions);
+    const auto compliance = rows.program_compliance();
+    for (Local i = 0; i < t.cloth.mesh.vertices.owned; ++i) {
+      const double asked = 4 * *how.compliance * std::sqrt(t.cloth.measure[i]) / (short_step * short_step);
+      const double most = 1e-3 * 4 / t.cloth.mass[i];
+      ASSERT_GT(asked, 2 * most);
+      const double expected = use == ConstraintUse::alone ? asked : most;
+      for (int k = 0; k < 2; ++k) EXPECT_NEAR(compliance[2 * i + k] / expected, 1, 1e-12);
+    }
+  }
+}
+
 // What pushes is carried too: to leave it out made tension ratchet on irregular triangles.
 TEST(MetricSet, CarriesTensionAndPushes) {
   Throw t(serial(uneven_triangles));
