@@ -101,7 +101,7 @@ void write_bodies(MPI_Comm comm, const Simulation& fitted, const fs::path& out) 
 
 /// A body that stands somewhere else than its garment, or lies, comes of units and axes.
 void check_place(const Case& input, const Simulation& simulation, const Obstacles& obstacles) {
-  constexpr double farthest = 1; // m
+  constexpr double farthest = 0.5; // m
   const auto places = obstacles.start();
   if (places.empty()) return;
   const DistributedMesh& mesh = simulation.cloth().mesh;

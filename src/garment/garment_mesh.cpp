@@ -69,7 +69,7 @@ void check_outline(const Panel& panel, const Outline& outline, double h) {
   if (width < h * 0.95)
     fail(panel, fmt::format(
                     "is thinner than an edge: nowhere wider than {:.3g} mm, with edges of {:.4g} mm; give it "
-                    "shorter ones, e.g. edge: {:.2g} mm",
+                    "shorter ones, e.g. edge: {:.3g} mm",
                     1000 * width, 1000 * h, 500 * width));
 }
 

@@ -337,9 +337,9 @@ MISTAKES = [
             "edges of its mesh, e.g. 5 mm", "cloth: {pattern: pattern.yaml}\n"),
     sewn("attachment_after_sewing", "attachments: [{label: hole, obstacle: 0}]",
          "taut: case.yaml: attachments.0.label: no edge and no panel has the label 'hole'; there are waists"),
-    sewn("body_elsewhere", "", "taut: case.yaml: cloth and obstacles are 4.85 m apart, and nothing is to be dressed: "
+    sewn("body_elsewhere", "", "taut: case.yaml: cloth and obstacles are 0.75 m apart, and nothing is to be dressed: "
          "the cloth is at x 0 to 0.1, y 0 to 0, z 0 to 0.1 m, z being up; correct units (scale), the axis that points "
-         "up in the files (up), or places", place=5),
+         "up in the files (up), or places", place=0.9),
     Mistake("elastic_label", "taut: case.yaml: cloth.elastic.0.label: no edge and no panel has the label 'waist' (did "
             "you mean 'waists'?); there are waists", "cloth: {pattern: p.yaml, edge: 5 cm, elastic: [{label: waist, "
             "length: 70 %}]}\n", files={"p.yaml": LABELLED}),
@@ -460,6 +460,15 @@ class Check(Folder):
         self.assertEqual(code, 0)
         self.assertIn("taut: warning: case.yaml: the cloth is 100 m wide; if its mesh is in other units, give `scale`",
                       stderr)
+
+    def test_pattern_that_nothing_sews(self):
+        seam = LABELLED + "stitches: [[{panel: front, edge: 1}, {panel: front, edge: 3}]]\n"
+        (self.folder / "p.yaml").write_text(seam)
+        (self.folder / "garment.yaml").write_text("cloth: {pattern: p.yaml, edge: 5 cm}\n")
+        code, stderr = run(self.folder, ("check", "garment.yaml"))
+        self.assertEqual(code, 0, stderr)
+        self.assertIn("taut: warning: garment.yaml: p.yaml: nothing sews its 1 seam, so its panels stay apart; sewing: "
+                      "{} in the case does", stderr)
 
     def test_newton_on_large_meshes_in_contact(self):
         code, stderr = run(self.folder, ("check", "case.yaml", "--set", "cloth.grid.vertices=[150, 150]", "--set",
