@@ -91,6 +91,11 @@ ProgressStyle style_of(const std::string& word) {
   return bar ? ProgressStyle::bar : ProgressStyle::lines;
 }
 
+/// Of a value that was forgotten, CLI11 takes the next option for it.
+std::string refuse_option(const std::string& value) {
+  return value.starts_with("--") ? fmt::format("its value is missing before {}", value) : "";
+}
+
 class CommandLine {
 public:
   CommandLine() : app_("Taut - cloth that does not stretch, on many ranks", "taut") {
@@ -118,39 +123,27 @@ public:
       command->add_option("--set", sets_, "Replace a key of the case: --set time.max_step=0.005")
           ->type_name("KEY=VALUE")
           ->take_all();
-    run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)");
-    run_->add_option("--from", from_, "Begin with the cloth of this run as it is in its last frame");
+    run_->add_option("--out", out_, "Folder for the results (default: out/<name of the case>)")
+        ->type_name("FOLDER");
+    run_->add_option("--from", from_, "Begin with the cloth of this run as it is in its last frame")
+        ->type_name("FOLDER");
     run_->add_flag("--overwrite", overwrite_, "Replace a run that the folder holds already");
     run_->add_option("--counters", counters_,
-                     "Also count messages, bytes and reductions of each phase, into this file (JSON)");
+                     "Also count messages, bytes and reductions of each phase, into this file (JSON)")
+        ->type_name("FILE");
     for (CLI::App* command : {run_, resume_})
       command->add_option("--progress", progress_, "How to tell of progress: auto, lines or bar")
           ->check(CLI::IsMember({"auto", "lines", "bar"}));
     resume_->add_option("folder", path_, "The folder of the run")->required();
-    resume_->add_option("--checkpoint", checkpoint_,
-                        "Go on from this one (default: the latest in the folder)");
+    resume_
+        ->add_option("--checkpoint", checkpoint_, "Go on from this one (default: the latest in the folder)")
+        ->type_name("FILE");
     info_->add_option("path", path_, "A folder with a run, or a case file")->required();
     partition_->add_option("--ranks", ranks_, "The number of ranks to cut it for")->required();
-    partition_->add_option("--json", json_, "Also write the figures to this file");
-    mesh_->add_option("pattern", case_, "The sewing pattern: of GarmentCode (.json), or by hand (.yaml)")
-        ->required();
-    mesh_->add_option("--edge", edges_, "How long edges are to be: 5mm; those of a panel: collar=2mm")
-        ->type_name("LENGTH or PANEL=LENGTH")
-        ->required()
-        ->take_all();
-    mesh_->add_option("-o,--out", out_, "The mesh file to write, .h5 or .obj");
-    mesh_->add_option("--svg", svg_, "Draw the panels into this file");
-    export_->add_option("folder", path_, "The folder of the run")->required();
-    export_
-        ->add_option("--to", out_,
-                     "cloth.pc2 (with cloth.obj), .obj or .ply (a file a frame), .usda (one frame)")
-        ->required();
-    export_->add_option("--up", up_, "The axis that points up there: z (as in the run) or y");
-    export_->add_option("--unit", unit_, "Of lengths there: m, cm or mm");
-    export_->add_option("--frame", frame_, "Only this one");
+    partition_->add_option("--json", json_, "Also write the figures to this file")->type_name("FILE");
+    add_options_of_files();
     schema_->add_flag("--table", table_, "A Markdown table instead");
-    for (CLI::App* command : app_.get_subcommands(nullptr))
-      command->footer(examples_of(command->get_name()) + (command == run_ ? std::string(notes) : ""));
+    for (CLI::App* command : app_.get_subcommands(nullptr)) complete(*command);
   }
 
   int execute(MPI_Comm comm, const Arguments& arguments) {
@@ -178,6 +171,33 @@ public:
   }
 
 private:
+  /// Of the commands that read one file and write others.
+  void add_options_of_files() {
+    mesh_->add_option("pattern", case_, "The sewing pattern: of GarmentCode (.json), or by hand (.yaml)")
+        ->required();
+    mesh_->add_option("--edge", edges_, "How long edges are to be: 5mm; those of a panel: collar=2mm")
+        ->type_name("LENGTH or PANEL=LENGTH")
+        ->required()
+        ->take_all();
+    mesh_->add_option("-o,--out", out_, "The mesh file to write, .h5 or .obj")->type_name("FILE");
+    mesh_->add_option("--svg", svg_, "Draw the panels into this file")->type_name("FILE");
+    export_->add_option("folder", path_, "The folder of the run")->required();
+    export_
+        ->add_option("--to", out_,
+                     "cloth.pc2 (with cloth.obj), .obj or .ply (a file a frame), .usda (one frame)")
+        ->required();
+    export_->add_option("--up", up_, "The axis that points up there: z (as in the run) or y")
+        ->type_name("AXIS");
+    export_->add_option("--unit", unit_, "Of lengths there: m, cm or mm")->type_name("UNIT");
+    export_->add_option("--frame", frame_, "Only this one");
+  }
+
+  void complete(CLI::App& command) {
+    for (CLI::Option* option : command.get_options())
+      if (option->get_items_expected_min() > 0) option->check(CLI::Validator(refuse_option, ""));
+    command.footer(examples_of(command.get_name()) + (&command == run_ ? std::string(notes) : ""));
+  }
+
   /// CLI11 would only say that a command is missing.
   void check_command(const Arguments& arguments) const {
     if (arguments.own.size() < 2 || arguments.own[1][0] == '-') return;

@@ -461,6 +461,12 @@ class Check(Folder):
         self.assertIn("taut: warning: case.yaml: the cloth is 100 m wide; if its mesh is in other units, give `scale`",
                       stderr)
 
+    def test_option_without_its_value(self):
+        for option in ("--out", "--set", "--counters"):
+            code, stderr = run(self.folder, ("run", "case.yaml", option, "--overwrite"))
+            self.assertEqual(code, 2, stderr)
+            self.assertIn(f"{option}: its value is missing before --overwrite", stderr)
+
     def test_pattern_that_nothing_sews(self):
         seam = LABELLED + "stitches: [[{panel: front, edge: 1}, {panel: front, edge: 3}]]\n"
         (self.folder / "p.yaml").write_text(seam)

@@ -163,8 +163,10 @@ class Pages(running.Folder):
     def check_case(self, case, page):
         if not {"cloth", "cloths"} & set(case):  # beside a cloth, out of the way of bodies
             case["cloth"] = {"grid": {"size": [0.3, 0.3], "vertices": [4, 4]}, "start": {"translate": [0, 3, 3]}}
-        for name, source in {"denim.obj": "skirt/start.obj", "body.obj": "body-sequence/body/body_0001.obj"}.items():
-            (self.folder / name).write_bytes((ROOT / "cases" / source).read_bytes())
+        (self.folder / "denim.obj").write_bytes((ROOT / "cases/skirt/start.obj").read_bytes())
+        body = (ROOT / "cases/body-sequence/body/body_0001.obj").read_text()
+        within = re.sub(r"^v (\S+) (\S+)", lambda v: f"v {v[1]} {float(v[2]) + 1.2}", body, flags=re.M)  # the shirt
+        (self.folder / "body.obj").write_text(within)
         pattern = json.loads((ROOT / "cases/shirt/shirt.json").read_text())
         next(iter(pattern["pattern"]["panels"].values()))["edges"][0]["label"] = "lower_interface"
         (self.folder / "shirt.json").write_text(json.dumps(pattern))
