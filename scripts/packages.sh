@@ -5,7 +5,8 @@ build_packages=(g++ cmake ninja-build pkg-config libopenmpi-dev openmpi-bin libp
 test_packages=(python3 python3-pip python3-setuptools python3-yaml python3-h5py python3-numpy python3-matplotlib)
 check_packages=(clang clang-format clang-tidy git python3 flake8 mypy)
 sanitize_packages=(clang libclang-rt-dev llvm valgrind)
-picture_packages=(python3-paraview paraview xvfb ffmpeg)
+pvpython_packages=(python3-h5py python3-numpy python3-yaml) # what scripts/render.py imports
+picture_packages=(python3-paraview paraview xvfb ffmpeg "${pvpython_packages[@]}")
 
 # install_missing PACKAGE...: asks apt only for what is not there, so a second call takes no time.
 install_missing() {

@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 """scripts/render on small runs: what is in its pictures, its film and its state."""
+import ast
 import os
 import subprocess
+import sys
 import unittest
 
 import matplotlib.image
 import numpy as np
 
 import running
+from taut import launch
 
 SIZE = (400, 300)
 RANK_0, RANK_1 = (0x44, 0x77, 0xaa), (0xee, 0x66, 0x77)
@@ -36,6 +39,27 @@ def hue_near(image, colour):
     wanted = np.array(colour) / np.linalg.norm(colour)
     length = np.linalg.norm(image, axis=2, keepdims=True)
     return int(((image / np.maximum(length, 1e-6)) @ wanted > 0.995).sum())
+
+
+def imported(path):
+    """The top packages that a script imports."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (name.name.partition(".")[0] for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield (node.module or "").partition(".")[0]
+
+
+class Packages(unittest.TestCase):
+    def test_what_pictures_import_is_installed(self):
+        scripts = launch.ROOT / "scripts"
+        paths = [scripts / "render.py", *(scripts / "rendering").glob("*.py"), *(scripts / "taut").glob("*.py")]
+        used = {name for path in paths for name in imported(path)}
+        outside = used - set(sys.stdlib_module_names) - {"paraview", "rendering", "taut", "vtkmodules"}
+        self.assertIn("h5py", outside)
+        listed = subprocess.run(["bash", "-c", 'source "$0"; echo "${pvpython_packages[@]}"', scripts / "packages.sh"],
+                                capture_output=True, text=True, check=True).stdout.split()
+        self.assertEqual(sorted(listed), sorted(f"python3-{name}" for name in outside))
 
 
 class Render(running.Folder):
