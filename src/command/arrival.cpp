@@ -48,7 +48,8 @@ Outcome judge_seams(const Case& input, const Simulation& simulation) {
       Ending::failed,
       fmt::format("seam {} is still open by {:.3g} mm at ({:.4g}, {:.4g}, {:.4g}) m, between vertices {} and "
                   "{}, after sewing.limit, {:g} s; "
-                  "give it more sewing.force, {:g} N/m, or more time, or place the panels nearer to where "
+                  "give it more sewing.force, {:g} N/m, or more time, or stiffer panels (sewing.bending), or "
+                  "place the panels nearer to where "
                   "they belong, or let pins slide that hold it apart (pins[].plane)",
                   name, 1000 * open.distance, open.place[0], open.place[1], open.place[2], open.joint,
                   open.vertex, input.sewing->limit, input.sewing->force)};

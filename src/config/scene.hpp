@@ -143,7 +143,7 @@ struct Sewing {
   double pressure = 100;       ///< Pa, with which it may press on them
   double damping = 40;         ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
-  double bending = 1e-3;       ///< N m, at least
+  double bending = 1e-4;       ///< N m, at least
   bool operator==(const Sewing&) const = default;
 };
 
