@@ -1,6 +1,6 @@
 #include "src/command/garment_lift.hpp"
 
-#include <Eigen/Geometry>
+#include "src/contact/closest.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,16 +39,6 @@ std::vector<Corners> triangles_of(const Obstacles& obstacles) {
   return triangles;
 }
 
-/// Whether a way passes a triangle when it is moved along `lift` [Moeller and Trumbore 1997].
-bool passes(const Way& way, const Vec3& lift, const Corners& t) {
-  const Vec3 along = way[1] - way[0], u = t[1] - t[0], v = t[2] - t[0], p = along.cross(v);
-  const double volume = u.dot(p);
-  if (volume == 0) return false;
-  const Vec3 from = way[0] + lift - t[0], q = from.cross(u);
-  const double a = from.dot(p) / volume, b = along.dot(q) / volume, s = v.dot(q) / volume;
-  return a >= 0 && b >= 0 && a + b <= 1 && s >= 0 && s <= 1;
-}
-
 /// Whether it may at any lift: seen from above.
 bool may_pass(const Way& way, const Corners& t) {
   for (int k = 0; k < 2; ++k) {
@@ -69,7 +59,8 @@ std::vector<double> blocked_ways(const std::vector<Way>& ways, const std::vector
       if (may_pass(way, t)) near.push_back(&t);
     for (int k = -reach; k <= reach; ++k)
       blocked[k + reach] += std::any_of(near.begin(), near.end(), [&](const Corners* t) {
-        return passes(way, k * pace * Vec3::UnitZ(), *t);
+        const Vec3 lift = k * pace * Vec3::UnitZ();
+        return passes(way[0] + lift, way[1] + lift, *t);
       });
   }
   return blocked;

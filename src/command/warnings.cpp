@@ -2,9 +2,9 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/contact/closest.hpp"
 #include "src/state/resolve.hpp"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +19,17 @@ using Warnings = std::vector<std::string>;
 void add_patterns(const Simulation& simulation, const Case&, Warnings& warnings) {
   for (const Piece& piece : simulation.cloth().pieces)
     warnings.insert(warnings.end(), piece.warnings.begin(), piece.warnings.end());
+}
+
+void add_seams(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    const config::Cloth& cloth = input.cloths[k];
+    const std::size_t seams = simulation.cloth().pieces[k].parts.seams.size();
+    if (cloth.pattern && !input.sewing && !cloth.start.run && seams > 0)
+      warnings.push_back(fmt::format(
+          "{}.pattern: nothing sews its {} seam{}, so its panels stay apart; sewing: {{}} in the case does",
+          config::key_of_cloth(input, k), seams, seams == 1 ? "" : "s"));
+  }
 }
 
 void add_locking(const Simulation& simulation, const Case&, Warnings& warnings) {
@@ -86,24 +97,15 @@ void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
                                    *jump));
 }
 
-/// Whether a ray from `point` meets the triangle [Moeller and Trumbore 1997].
-bool is_met(const Vec3& point, const Vec3& direction, const std::array<Vec3, 3>& t) {
-  const Vec3 one = t[1] - t[0], two = t[2] - t[0], p = direction.cross(two), s = point - t[0];
-  const double volume = one.dot(p), u = s.dot(p) / volume;
-  const Vec3 q = s.cross(one);
-  const double v = direction.dot(q) / volume;
-  return volume != 0 && u >= 0 && v >= 0 && u + v <= 1 && two.dot(q) / volume > 0;
-}
-
 /// By how often a ray meets the surface of a closed body.
 bool is_inside(const Obstacles& obstacles, int body, const Vec3& point) {
-  const Vec3 direction(0.5773, 0.2113, 0.7887); // along no axis and no diagonal
+  const Vec3 far_away = point + 1e6 * Vec3(0.5773, 0.2113, 0.7887); // along no axis and no diagonal
   bool inside = false;
   for (const Element& e : obstacles.elements()) {
     if (e.body != body || !e.is_triangle()) continue;
     std::array<Vec3, 3> corners;
     for (int k = 0; k < 3; ++k) corners[k] = obstacles.moved(body, obstacles.start()[e.vertices[k]], 0);
-    inside ^= is_met(point, direction, corners);
+    inside ^= passes(point, far_away, corners);
   }
   return inside;
 }
@@ -137,7 +139,7 @@ void add_inside(const Simulation& simulation, const Case& input, Warnings& warni
 void warn_of_start(const Simulation& simulation, const Case& input) {
   Warnings warnings;
   for (const auto add :
-       {add_patterns, add_locking, add_expense, add_scale, add_density, add_pins, add_inside})
+       {add_patterns, add_seams, add_locking, add_expense, add_scale, add_density, add_pins, add_inside})
     add(simulation, input, warnings);
   if (rank_of(simulation.cloth().mesh.comm) != 0) return;
   for (const std::string& words : warnings)

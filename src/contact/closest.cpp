@@ -1,5 +1,7 @@
 #include "src/contact/closest.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 
 namespace taut {
@@ -64,6 +66,15 @@ Closest closest_edge_edge(const Four& x) {
   }
   const Vec3 offset = r + s * d1 - t * d2;
   return {{1 - s, s, t - 1, -t}, offset, offset.norm()};
+}
+
+bool passes(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& t) {
+  const Vec3 along = to - from, u = t[1] - t[0], v = t[2] - t[0], p = along.cross(v);
+  const double volume = u.dot(p);
+  if (volume == 0) return false;
+  const Vec3 s = from - t[0], q = s.cross(u);
+  const double a = s.dot(p) / volume, b = along.dot(q) / volume, way = v.dot(q) / volume;
+  return a >= 0 && b >= 0 && a + b <= 1 && way >= 0 && way <= 1;
 }
 
 } // namespace taut

@@ -21,4 +21,7 @@ Closest closest_vertex_face(const Four& x);
 /// Of the segments (0, 1) and (2, 3), each of which may be a point [Ericson 5.1.9].
 Closest closest_edge_edge(const Four& x);
 
+/// Whether a segment passes a triangle [Moeller and Trumbore 1997].
+bool passes(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& triangle);
+
 } // namespace taut

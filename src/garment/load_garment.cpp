@@ -21,10 +21,6 @@ Garment load_garment(MPI_Comm comm, const Case& input, std::size_t k) {
   on_rank_0(comm, [&] {
     garment.mesh =
         mesh_garment(input.sewing ? place_panels(pattern, apart * lengths.garment) : pattern, lengths);
-    if (!input.sewing && !cloth.start.run && !pattern.seams.empty())
-      garment.mesh.warnings.push_back(fmt::format(
-          "{}: nothing sews its {} seam{}, so its panels stay apart; sewing: {{}} in the case does",
-          pattern.name, pattern.seams.size(), pattern.seams.size() == 1 ? "" : "s"));
   });
   return garment;
 }

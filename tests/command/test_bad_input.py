@@ -473,7 +473,7 @@ class Check(Folder):
         (self.folder / "garment.yaml").write_text("cloth: {pattern: p.yaml, edge: 5 cm}\n")
         code, stderr = run(self.folder, ("check", "garment.yaml"))
         self.assertEqual(code, 0, stderr)
-        self.assertIn("taut: warning: garment.yaml: p.yaml: nothing sews its 1 seam, so its panels stay apart; sewing: "
+        self.assertIn("taut: warning: garment.yaml: cloth.pattern: nothing sews its 1 seam, so its panels stay apart; sewing: "
                       "{} in the case does", stderr)
 
     def test_newton_on_large_meshes_in_contact(self):
