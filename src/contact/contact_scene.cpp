@@ -3,7 +3,7 @@
 namespace taut {
 
 ContactScene::ContactScene(const Cloth& cloth, const Obstacles& obstacles)
-    : search(cloth, obstacles, Strings::of_seams), cloth_(cloth), obstacles_(obstacles),
+    : search(cloth, obstacles), cloth_(cloth), obstacles_(obstacles),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void ContactScene::begin(const State& state, double dt, std::span<const Vec3> velocities) {

@@ -118,15 +118,14 @@ void put_in_order(std::span<Pair> pairs, std::size_t size) {
 
 } // namespace
 
-ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles, Strings strings)
-    : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles, strings),
-      own_(cloth.mesh.vertices.owned), obstacle_count_(obstacles.vertices()) {}
+ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
+    : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles), own_(cloth.mesh.vertices.owned),
+      obstacle_count_(obstacles.vertices()) {}
 
 void ContactSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach;
   elements_.find(motion, reach, slack);
   near_ = {};
-  free_passing();
   plane_held_.assign(obstacles_.planes().size() * own_, false);
   measure_gaps();
   place_in_fields();
@@ -141,18 +140,6 @@ bool ContactSearch::follow(const Motion& motion) {
   if (!any_of(cloth_.mesh.comm, is_other)) return false;
   place_in_fields();
   return true;
-}
-
-/// A string that passes a body at the start is free until it has left it.
-void ContactSearch::free_passing() {
-  const auto x = elements_.positions();
-  free_.clear();
-  for (const auto& [i, j] : elements_.pairs()) {
-    const Element &string = elements_.element(i), &face = elements_.element(j);
-    const auto &s = string.vertices, &f = face.vertices;
-    if (string.is_string() && face.is_triangle() && passes(x[s[0]], x[s[1]], {x[f[0]], x[f[1]], x[f[2]]}))
-      free_.insert(i);
-  }
 }
 
 void ContactSearch::measure_gaps() {
@@ -181,7 +168,6 @@ void ContactSearch::look_at(std::span<const BoxPair> pairs, Near& near) const {
 /// returns how much more motion (m) it takes to bring another one there, at least.
 double ContactSearch::meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const {
   const Element &a = elements_.element(elements.first), &b = elements_.element(elements.second);
-  if (free_.contains(elements.first)) return HUGE_VAL;
   const ElementSearch::Range range = elements_.range(elements);
   const Shared shared(a, elements_.joints(elements.first), b, elements_.joints(elements.second));
   const auto key = [&](Local vertex) { return elements_.vertices()[vertex].key; };
@@ -262,8 +248,11 @@ void ContactSearch::place_in_fields() {
     for (const Local v : p.vertices)
       if (vertices[v].owner != me) ghosts.push_back(vertices[v]);
   std::sort(ghosts.begin(), ghosts.end(), before);
-  const auto same = [&](const SurfaceVertex& a, const SurfaceVertex& b) { return !before(a, b); };
-  ghosts.erase(std::unique(ghosts.begin(), ghosts.end(), same), ghosts.end());
+  ghosts.erase(std::unique(ghosts.begin(), ghosts.end(),
+                           [](const SurfaceVertex& a, const SurfaceVertex& b) {
+                             return a.owner == b.owner && a.place == b.place;
+                           }),
+               ghosts.end());
   for (Pair& p : pairs_)
     for (Local& v : p.vertices) {
       const SurfaceVertex& vertex = vertices[v];

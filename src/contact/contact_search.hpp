@@ -2,8 +2,6 @@
 #include "src/contact/element_search.hpp"
 #include "src/contact/pair.hpp"
 
-#include <unordered_set>
-
 namespace taut {
 
 /// Finds the pairs of features that can meet, over all ranks. Each pair is found by one rank, by a rule that
@@ -14,7 +12,7 @@ namespace taut {
 class ContactSearch {
 public:
   /// Both must outlive the search. Collective.
-  ContactSearch(const Cloth& cloth, const Obstacles& obstacles, Strings strings = Strings::none);
+  ContactSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
   /// lines from where they are to where the motion ends. Costs least if elements stray by less than `slack`
@@ -73,7 +71,6 @@ private:
   void look_at(std::span<const BoxPair> pairs, Near& near) const;
   double meet(const BoxPair& elements, std::uint16_t& held, std::vector<Pair>& found) const;
   double spare_of(const Pair& pair, const ElementSearch::Range& range, double apart_across) const;
-  void free_passing();
   void look_at_planes();
   void place_in_fields();
 
@@ -84,9 +81,8 @@ private:
   double reach_ = 0;
   Near near_, across_; ///< of this rank, and with elements of others
   std::size_t kept_ = 0;
-  std::unordered_set<Local> free_; ///< strings that nothing stops
-  std::vector<bool> plane_held_;   ///< for every plane and own vertex
-  std::vector<Pair> pairs_;        ///< all found, as places in contact fields
+  std::vector<bool> plane_held_; ///< for every plane and own vertex
+  std::vector<Pair> pairs_;      ///< all found, as places in contact fields
   std::vector<Global> keys_;
   Plan plan_;
 };

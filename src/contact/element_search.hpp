@@ -19,16 +19,13 @@ struct SurfaceVertex {
   Global joint; ///< the key of what it is sewn to, or its own: vertices with the same are one for contact
 };
 
-/// Whether strings that close seams are among the elements of the cloth. Nothing but obstacles stops them.
-enum class Strings { none, of_seams };
-
 /// Finds pairs of elements that can come near each other, over all ranks: cloth with itself and with
 /// obstacles. A pair of elements of two ranks is found by one of them, by a rule that depends on their
 /// numbers only; each rank learns the elements of others that come near its own, and no more.
 class ElementSearch {
 public:
   /// Both must outlive the search. Collective.
-  ElementSearch(const Cloth& cloth, const Obstacles& obstacles, Strings strings = Strings::none);
+  ElementSearch(const Cloth& cloth, const Obstacles& obstacles);
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
   /// straight lines, to where the motion ends or, of cloth, anywhere within `slack` (m) of that, by boxes
@@ -102,7 +99,6 @@ private:
     double thickness; ///< m, the radius of an obstacle
   };
 
-  bool may_meet(Local i, Local j) const;
   static Common common_to(const Element& element, std::span<const Vec3> of_vertices);
   void take_motion(const Motion& motion);
   void begin();
@@ -125,11 +121,11 @@ private:
   double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   std::vector<std::array<Global, 3>> joints_;
-  Local cells_, own_, known_elements_; ///< so many are of this rank's cells, with strings, with obstacles
-  std::vector<Box> swept_;             ///< by elements, in that frame
-  std::vector<Box> boxes_;             ///< of what is known, with room around what is swept
-  BoxTree own_tree_, obstacle_tree_;   ///< as the boxes were made
-  std::vector<Local> grown_;           ///< elements whose boxes have grown since, in order
+  Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
+  std::vector<Box> swept_;           ///< by elements, in that frame
+  std::vector<Box> boxes_;           ///< of what is known, with room around what is swept
+  BoxTree own_tree_, obstacle_tree_; ///< as the boxes were made
+  std::vector<Local> grown_;         ///< elements whose boxes have grown since, in order
   std::vector<bool> is_grown_;
   std::vector<Ball> balls_;
   std::vector<Common> strays_; ///< of where elements end from where they ended by the motion before

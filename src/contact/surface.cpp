@@ -83,12 +83,4 @@ std::vector<Element> cloth_elements(const DistributedMesh& mesh) {
   return elements;
 }
 
-std::vector<Element> seam_strings(const DistributedMesh& mesh) {
-  constexpr std::uint8_t its_edge = 1u << 3;
-  std::vector<Element> strings;
-  for (const auto& [a, b] : mesh.seams)
-    if (mesh.owns_vertex(a)) strings.push_back({{a, b, a}, 2, its_edge, Element::string});
-  return strings;
-}
-
 } // namespace taut

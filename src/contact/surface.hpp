@@ -10,10 +10,7 @@ struct Element {
   std::array<Local, 3> vertices; ///< beyond `corners` the first again
   std::int8_t corners;
   std::uint8_t represents; ///< bit k: vertex k; bit 3 + k: edge k, from vertex k to the next
-  std::int16_t body;       ///< the obstacle; -1 for cloth, `string` for what closes a seam
-
-  static constexpr std::int16_t string = -2;
-  bool is_string() const { return body == string; }
+  std::int16_t body;       ///< -1 for cloth, otherwise the obstacle
 
   bool represents_vertex(int k) const { return represents >> k & 1; }
   bool represents_edge(int k) const { return represents >> (3 + k) & 1; }
@@ -27,9 +24,5 @@ struct Element {
 /// represented on exactly one rank, by an element that does not depend on the partition. In the order of the
 /// elements' first vertices, which lie along a space-filling curve. Collective.
 std::vector<Element> cloth_elements(const DistributedMesh& mesh);
-
-/// The straight ways between the vertices that are to be sewn together, each on the rank that owns the first.
-/// They have no face and represent no vertex.
-std::vector<Element> seam_strings(const DistributedMesh& mesh);
 
 } // namespace taut
