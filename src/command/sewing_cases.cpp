@@ -14,7 +14,8 @@ void hold_first(std::vector<config::Keyframe>& motion) {
   if (!motion.empty()) motion.resize(1);
 }
 
-/// Nothing has to rest before it is sewn. (By Newton's method sleeves stay open by half a centimetre.)
+/// Nothing has to rest before it is sewn. (By Newton's method sleeves stay open by half a centimetre,
+/// and a shirt was fitted in 2665 steps in place of 112.)
 void project(config::Inextensibility& i) {
   if (i.method != config::InextensibilityMethod::newton) return;
   i.method = config::InextensibilityMethod::fast_projection;
@@ -120,6 +121,7 @@ Case fitting_case(const Case& input, std::span<const fs::path> sewn) {
   stage.gravity = Vec3(sinking * damping * input.gravity.at(0).stableNormalized());
   for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
   stage.sewing.reset();
+  if (input.has_contact()) project(stage.inextensibility);
   let_grow(stage, {input.sewing->growth, input.sewing->pressure});
   return stage;
 }

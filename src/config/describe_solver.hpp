@@ -98,8 +98,10 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("strain", i.strain, {.range = fraction, .meaning = "largest strain that is left"});
   v("faces", i.faces,
     {.range = at_least(1),
-     .meaning = "of fast_projection with constrain: vertices: largest strain of single triangles along warp "
-                "and weft, over `strain`; with newton and contact it is the default"});
+     .computed_default = "5; 10 with newton",
+     .meaning =
+         "with constrain: vertices and method fast_projection, or newton and contact: largest strain of "
+         "single triangles along warp and weft, over `strain`"});
   v("solver", i.solver,
     {.computed_default = "cg; mumps with method newton on meshes with triangles of at most 20 000 vertices",
      .meaning = "linear solver of a projection or of Newton's method: iterative, or MUMPS (direct)"});
@@ -127,7 +129,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   const bool projects = is_projection(i.method);
   v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
           "vertices works with methods fast_projection and newton only; choose one of these, or edges");
-  check_use(v, "faces", i.faces == standard.faces, i.method == fast_projection, i.method);
+  check_use(v, "faces", !i.faces, i.method == fast_projection || i.method == newton, i.method);
   check_use(v, "solver", !i.solver, projects, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);

@@ -1,5 +1,6 @@
 #include "src/state/pin_reach.hpp"
 
+#include "src/config/methods.hpp"
 #include "src/state/pins.hpp"
 
 #include <fmt/format.h>
@@ -87,7 +88,7 @@ bool draw_apart(const Case& input, const HeldVertex& a, const HeldVertex& b) {
 /// `way`: m between them along edges.
 void check_pair(const Case& input, const HeldVertex& a, const HeldVertex& b, double way) {
   const config::Inextensibility& limits = input.inextensibility;
-  const double most = (1 + limits.strain * std::max(1.0, limits.faces)) * way,
+  const double most = (1 + limits.strain * config::largest_face_strain(limits)) * way,
                at_start = (a.start - b.start).norm();
   for (const double time : times_of(input, a.pin, b.pin)) {
     const double apart = distance_at(input, a, b, time);
