@@ -15,7 +15,7 @@ void hold_first(std::vector<config::Keyframe>& motion) {
 }
 
 /// Nothing has to rest before it is sewn. (By Newton's method sleeves stay open by half a centimetre,
-/// and a shirt was fitted in 2665 steps in place of 112.)
+/// and fittings come to a stand.)
 void project(config::Inextensibility& i) {
   if (i.method != config::InextensibilityMethod::newton) return;
   i.method = config::InextensibilityMethod::fast_projection;
