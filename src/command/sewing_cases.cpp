@@ -30,6 +30,7 @@ Case in_peace(Case input) {
   input.attachments.clear();
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
+  if (input.has_contact()) project(input.inextensibility);
   for (config::Cloth& c : input.cloths) {
     c.material.damping.mass += sewing.damping;
     c.material.bending = std::max(c.material.bending, sewing.bending);
@@ -98,7 +99,6 @@ void fill_in(Case& input, std::span<const double> shortest) {
 Case sewing_case(const Case& input) {
   Case stage = in_peace(input);
   stage.time.end = input.sewing->limit;
-  if (input.has_contact()) project(stage.inextensibility);
   // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
   // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
   stage.inextensibility.constrain = config::Constrain::edges;
@@ -121,7 +121,6 @@ Case fitting_case(const Case& input, std::span<const fs::path> sewn) {
   stage.gravity = Vec3(sinking * damping * input.gravity.at(0).stableNormalized());
   for (config::Cloth& c : stage.cloths) c.material.damping.mass += damping;
   stage.sewing.reset();
-  if (input.has_contact()) project(stage.inextensibility);
   let_grow(stage, {input.sewing->growth, input.sewing->pressure});
   return stage;
 }

@@ -99,7 +99,8 @@ void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
 
 /// By how often a ray meets the surface of a closed body.
 bool is_inside(const Obstacles& obstacles, int body, const Vec3& point) {
-  const Vec3 far_away = point + 1e6 * Vec3(0.5773, 0.2113, 0.7887); // along no axis and no diagonal
+  constexpr double beyond = 1e10;                                      // m, of what any body reaches
+  const Vec3 far_away = point + beyond * Vec3(0.5773, 0.2113, 0.7887); // along no axis and no diagonal
   bool inside = false;
   for (const Element& e : obstacles.elements()) {
     if (e.body != body || !e.is_triangle()) continue;

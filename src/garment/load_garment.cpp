@@ -5,8 +5,6 @@
 #include "src/garment/read_pattern.hpp"
 #include "src/garment/sewn_mesh.hpp"
 
-#include <fmt/format.h>
-
 namespace taut::garment {
 
 Garment load_garment(MPI_Comm comm, const Case& input, std::size_t k) {

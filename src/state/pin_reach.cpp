@@ -1,6 +1,5 @@
 #include "src/state/pin_reach.hpp"
 
-#include "src/config/methods.hpp"
 #include "src/state/pins.hpp"
 
 #include <fmt/format.h>
@@ -88,7 +87,8 @@ bool draw_apart(const Case& input, const HeldVertex& a, const HeldVertex& b) {
 /// `way`: m between them along edges.
 void check_pair(const Case& input, const HeldVertex& a, const HeldVertex& b, double way) {
   const config::Inextensibility& limits = input.inextensibility;
-  const double most = (1 + limits.strain * config::largest_face_strain(limits)) * way,
+  constexpr double usual = 5; // limits that single triangles may strain, whatever keeps them
+  const double most = (1 + limits.strain * limits.faces.value_or(usual)) * way,
                at_start = (a.start - b.start).norm();
   for (const double time : times_of(input, a.pin, b.pin)) {
     const double apart = distance_at(input, a, b, time);
