@@ -2,8 +2,8 @@
 
 namespace taut {
 
-ContactScene::ContactScene(const Cloth& cloth, const Obstacles& obstacles)
-    : search(cloth, obstacles), cloth_(cloth), obstacles_(obstacles),
+ContactScene::ContactScene(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings)
+    : search(cloth, obstacles, strings), cloth_(cloth), obstacles_(obstacles),
       inverse_mass_(cloth.mesh.vertices.size()) {}
 
 void ContactScene::begin(const State& state, double dt, std::span<const Vec3> velocities) {

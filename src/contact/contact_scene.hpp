@@ -16,8 +16,8 @@ struct Scene {
 /// can meet on the way. Its contact fields have the places of the last search.
 class ContactScene {
 public:
-  /// Both must outlive the scene. Collective.
-  ContactScene(const Cloth& cloth, const Obstacles& obstacles);
+  /// Both must outlive the scene. Obstacles stop `strings` (see strings_clear_of) too. Collective.
+  ContactScene(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings = {});
 
   /// The step from `state` over `dt` seconds, in which local vertices move at `velocities`. Not collective.
   void begin(const State& state, double dt, std::span<const Vec3> velocities);

@@ -118,9 +118,9 @@ void put_in_order(std::span<Pair> pairs, std::size_t size) {
 
 } // namespace
 
-ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles)
-    : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles), own_(cloth.mesh.vertices.owned),
-      obstacle_count_(obstacles.vertices()) {}
+ContactSearch::ContactSearch(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings)
+    : cloth_(cloth), obstacles_(obstacles), elements_(cloth, obstacles, strings),
+      own_(cloth.mesh.vertices.owned), obstacle_count_(obstacles.vertices()) {}
 
 void ContactSearch::find(const Motion& motion, double reach, double slack) {
   reach_ = reach;

@@ -11,8 +11,8 @@ namespace taut {
 /// ghosts are whatever cloth vertices of other ranks the pairs of this one need.
 class ContactSearch {
 public:
-  /// Both must outlive the search. Collective.
-  ContactSearch(const Cloth& cloth, const Obstacles& obstacles);
+  /// Both must outlive the search; see ElementSearch. Collective.
+  ContactSearch(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings = {});
 
   /// Finds all pairs whose gap can come down to `reach` (m) while all vertices move together along straight
   /// lines from where they are to where the motion ends. Costs least if elements stray by less than `slack`

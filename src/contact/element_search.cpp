@@ -41,7 +41,7 @@ Box around(std::span<const Box> boxes) {
 
 } // namespace
 
-ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
+ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings)
     : cloth_(cloth), obstacles_(obstacles) {
   const DistributedMesh& mesh = cloth.mesh;
   const int me = rank_of(mesh.comm);
@@ -57,6 +57,8 @@ ElementSearch::ElementSearch(const Cloth& cloth, const Obstacles& obstacles)
     known_.push_back({me, own + k, key, key});
   }
   elements_ = cloth_elements(mesh);
+  cells_ = Local(elements_.size());
+  elements_.insert(elements_.end(), strings.begin(), strings.end());
   own_ = Local(elements_.size());
   for (Element e : obstacles.elements()) {
     for (Local& v : e.vertices) v += mesh.vertices.size();
@@ -97,8 +99,16 @@ void ElementSearch::begin() {
   obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
   grown_.clear();
   is_grown_.assign(known_elements_, false);
-  pairs_ = own_tree_.pairs();
+  pairs_.clear();
+  for (const auto& [i, j] : own_tree_.pairs())
+    if (may_meet(i, j)) pairs_.emplace_back(i, j);
   for (const auto& [i, j] : own_tree_.pairs_with(obstacle_tree_)) pairs_.emplace_back(i, own_ + j);
+}
+
+/// Strings pass through cloth.
+bool ElementSearch::may_meet(Local i, Local j) const {
+  const Element &a = elements_[i], &b = elements_[j];
+  return !(a.is_string() && b.body < 0) && !(b.is_string() && a.body < 0);
 }
 
 /// The elements that leave their boxes.
@@ -124,7 +134,8 @@ void ElementSearch::extend(const std::vector<Local>& grown) {
   grown_.clear();
   std::merge(earlier.begin(), earlier.end(), grown.begin(), grown.end(), std::back_inserter(grown_));
   const auto add = [&](Local i, Local j) {
-    if (std::min(i, j) < own_ && !before[i].overlaps(before[j])) pairs_.push_back(std::minmax(i, j));
+    if (std::min(i, j) < own_ && may_meet(i, j) && !before[i].overlaps(before[j]))
+      pairs_.push_back(std::minmax(i, j));
   };
   const BoxTree of_grown = tree_of(boxes_at(grown));
   for (const auto& [g, h] : of_grown.pairs()) add(grown[g], grown[h]);
@@ -146,8 +157,8 @@ void ElementSearch::find_across() {
   if (Local(elements_.size()) == known_elements_) return;
   const BoxTree received = tree_of({swept_.begin() + known_elements_, swept_.end()});
   for (const auto& [i, j] : own_tree_.pairs_with(received))
-    if (!is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
-  const std::span<const Local> grown(grown_.begin(), std::lower_bound(grown_.begin(), grown_.end(), own_));
+    if (i < cells_ && !is_grown_[i]) pairs_across_.emplace_back(i, known_elements_ + j);
+  const std::span<const Local> grown(grown_.begin(), std::lower_bound(grown_.begin(), grown_.end(), cells_));
   for (const auto& [g, j] : tree_of(boxes_at(grown)).pairs_with(received))
     pairs_across_.emplace_back(grown[g], known_elements_ + j);
 }
@@ -226,7 +237,7 @@ void ElementSearch::receive_elements() {
   const MPI_Comm comm = cloth_.mesh.comm;
   const int ranks = size_of(comm), me = rank_of(comm);
   if (ranks == 1) return;
-  const std::vector<Box> mine = blocks_of(std::span(swept_).first(own_));
+  const std::vector<Box> mine = blocks_of(std::span(swept_).first(cells_));
   std::vector<Box> all(std::size_t(ranks) * blocks_per_rank);
   constexpr int bytes = blocks_per_rank * sizeof(Box);
   MPI_Allgather(mine.data(), bytes, MPI_BYTE, all.data(), bytes, MPI_BYTE, comm);
@@ -257,7 +268,7 @@ void ElementSearch::receive_elements() {
 
 void ElementSearch::append_elements_near(std::span<const Box> blocks, std::vector<SentElement>& found) const {
   const Box around_blocks = around(blocks);
-  for (Local i = 0; i < own_; ++i) {
+  for (Local i = 0; i < cells_; ++i) {
     const Box& box = swept_[i];
     if (!around_blocks.overlaps(box) ||
         std::none_of(blocks.begin(), blocks.end(), [&](const Box& b) { return b.overlaps(box); }))

@@ -24,8 +24,9 @@ struct SurfaceVertex {
 /// numbers only; each rank learns the elements of others that come near its own, and no more.
 class ElementSearch {
 public:
-  /// Both must outlive the search. Collective.
-  ElementSearch(const Cloth& cloth, const Obstacles& obstacles);
+  /// Both must outlive the search. Obstacles stop `strings` of this rank as they stop edges; nothing else
+  /// does. Collective.
+  ElementSearch(const Cloth& cloth, const Obstacles& obstacles, std::span<const Element> strings = {});
 
   /// Finds all pairs whose distance can come down to `reach` (m) while all vertices move together along
   /// straight lines, to where the motion ends or, of cloth, anywhere within `slack` (m) of that, by boxes
@@ -99,6 +100,7 @@ private:
     double thickness; ///< m, the radius of an obstacle
   };
 
+  bool may_meet(Local i, Local j) const;
   static Common common_to(const Element& element, std::span<const Vec3> of_vertices);
   void take_motion(const Motion& motion);
   void begin();
@@ -121,11 +123,11 @@ private:
   double reach_ = 0, slack_ = 0;
   std::vector<Element> elements_; ///< of this rank's cloth, of the obstacles, from other ranks
   std::vector<std::array<Global, 3>> joints_;
-  Local own_, known_elements_;       ///< so many are of this rank's cloth, of that and the obstacles
-  std::vector<Box> swept_;           ///< by elements, in that frame
-  std::vector<Box> boxes_;           ///< of what is known, with room around what is swept
-  BoxTree own_tree_, obstacle_tree_; ///< as the boxes were made
-  std::vector<Local> grown_;         ///< elements whose boxes have grown since, in order
+  Local cells_, own_, known_elements_; ///< so many are of this rank's cells, with strings, with obstacles
+  std::vector<Box> swept_;             ///< by elements, in that frame
+  std::vector<Box> boxes_;             ///< of what is known, with room around what is swept
+  BoxTree own_tree_, obstacle_tree_;   ///< as the boxes were made
+  std::vector<Local> grown_;           ///< elements whose boxes have grown since, in order
   std::vector<bool> is_grown_;
   std::vector<Ball> balls_;
   std::vector<Common> strays_; ///< of where elements end from where they ended by the motion before

@@ -10,7 +10,10 @@ struct Element {
   std::array<Local, 3> vertices; ///< beyond `corners` the first again
   std::int8_t corners;
   std::uint8_t represents; ///< bit k: vertex k; bit 3 + k: edge k, from vertex k to the next
-  std::int16_t body;       ///< -1 for cloth, otherwise the obstacle
+  std::int16_t body;       ///< the obstacle; -1 for cloth, `string` for what closes a seam
+
+  static constexpr std::int16_t string = -2;
+  bool is_string() const { return body == string; }
 
   bool represents_vertex(int k) const { return represents >> k & 1; }
   bool represents_edge(int k) const { return represents >> (3 + k) & 1; }

@@ -56,7 +56,7 @@ void timed(FilterReport& report, Part&& part) {
 template<ConstraintSet Set>
 ContactProjection<Set>::ContactProjection(const Cloth& cloth, const Obstacles& obstacles, Thickness thickness,
                                           const ContactProjectionOptions& options)
-    : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles),
+    : options_(options), thickness_(std::move(thickness)), scene_(cloth, obstacles, options.strings),
       safe_(scene_, thickness_),
       rows_(scene_, safe_, thickness_, options_.contact, options.gravity, options.longest_step),
       foreseen_(scene_), alone_(cloth, options.limits),

@@ -10,8 +10,9 @@ namespace taut {
 struct ContactProjectionOptions {
   config::Inextensibility limits; ///< as of Resolved
   config::Contact contact;
-  double gravity;      ///< m/s^2
-  double longest_step; ///< s
+  double gravity;                 ///< m/s^2
+  double longest_step;            ///< s
+  std::vector<Element> strings{}; ///< that obstacles stop
 };
 
 /// Fast Projection with contact inside it: from the candidate end positions y, constraints as equations and

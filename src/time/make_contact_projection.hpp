@@ -1,4 +1,5 @@
 #pragma once
+#include "src/contact/seam_strings.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/time/stepper_parts.hpp"
 
@@ -13,7 +14,8 @@ std::unique_ptr<ContactProjection<Set>> make_contact_projection(const StepperPar
       ContactProjectionOptions{.limits = parts.resolved.inextensibility,
                                .contact = input.contact.value_or(config::Contact{}),
                                .gravity = input.gravity.largest(),
-                               .longest_step = input.time.max_step});
+                               .longest_step = input.time.max_step,
+                               .strings = strings_clear_of(parts.obstacles, parts.cloth, parts.start)});
 }
 
 } // namespace taut

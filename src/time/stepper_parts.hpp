@@ -18,7 +18,8 @@ struct StepperParts {
   const Pattern& pattern;
   const Pins& pins;
   const Resolved& resolved;
-  Forces& forces; ///< to which a stepper may add its own
+  std::span<const Vec3> start; ///< m, of local vertices: where the case puts them
+  Forces& forces;              ///< to which a stepper may add its own
 };
 
 } // namespace taut

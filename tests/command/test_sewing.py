@@ -169,6 +169,19 @@ class Sewing(Temporary):
         self.assertEqual(self.taut("resume", "stopped", ranks=1)[0], 0)
         self.assertLess(np.abs(last_positions(self.folder / "stopped") - last_positions(whole)).max(), 1e-4)
 
+    def test_a_seam_does_not_close_through_a_body(self):
+        bar = "obstacles=[{name: bar, capsule: {from: [-0.3, 0, 0.05], to: [0.3, 0, 0.05], radius: 2 cm}}]"
+        seam = "stitches: [[{panel: front, edge: 0}, {panel: back, edge: 0}]]"
+        (self.folder / "tube.yaml").write_text(PATTERN[:PATTERN.index("stitches")] + seam)
+        code, _, err = self.taut("run", "case.yaml", "--out", "run", "--set", "pins=[]", "--set", bar, "--set",
+                                 "sewing.gravity=[0, 0, 15]", "--set", "time.end=0.1")
+        self.assertEqual((code, err), (0, ""))
+        run = self.folder / "run"
+        self.assert_sound(run)
+        of_seam = frame(run, "mesh.h5")["seams/of_vertices"] >= 0
+        self.assertLess(last_positions(run)[of_seam, 2].max(), 0.05)  # the panels were drawn up past the bar
+        self.assertGreater(last_positions(run)[:, 2].max(), 0.15)
+
     def test_a_seam_that_cannot_close_is_named(self):
         code, _, err = self.taut("run", "case.yaml", "--set", "sewing.force=0.001", "--set", "sewing.limit=0.4")
         self.assertEqual(code, 3)
