@@ -98,7 +98,6 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   v("strain", i.strain, {.range = fraction, .meaning = "largest strain that is left"});
   v("faces", i.faces,
     {.range = at_least(1),
-     .computed_default = "5; 10 with newton",
      .meaning =
          "with constrain: vertices and method fast_projection, or newton and contact: largest strain of "
          "single triangles along warp and weft, over `strain`"});
@@ -129,7 +128,8 @@ void describe(V& v, Is<Inextensibility> auto& i) {
   const bool projects = is_projection(i.method);
   v.check("constrain", i.constrain != Constrain::vertices || can_average(i.method),
           "vertices works with methods fast_projection and newton only; choose one of these, or edges");
-  check_use(v, "faces", !i.faces, i.method == fast_projection || i.method == newton, i.method);
+  check_use(v, "faces", i.faces == standard.faces, i.method == fast_projection || i.method == newton,
+            i.method);
   check_use(v, "solver", !i.solver, projects, i.method);
   check_use(v, "max_iterations", i.max_iterations == standard.max_iterations, projects, i.method);
   check_use(v, "residual", i.residual == standard.residual, i.method == newton, i.method);

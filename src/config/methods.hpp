@@ -25,12 +25,6 @@ constexpr bool can_average(InextensibilityMethod m) {
   return m == InextensibilityMethod::fast_projection || m == InextensibilityMethod::newton;
 }
 
-/// `faces`, or its default. Newton's system knows nothing of single triangles, so that a bound is left to the
-/// projection after it, step after step (src/newton/README.md).
-inline double largest_face_strain(const Inextensibility& i) {
-  return i.faces.value_or(i.method == InextensibilityMethod::newton ? 10 : 5);
-}
-
 /// Contact changes velocities after whatever keeps the strain.
 inline bool contact_is_last(const Case& input) {
   if (input.contact_model() != ContactModel::impulse) return false;

@@ -53,7 +53,7 @@ struct Inextensibility {
   InextensibilityMethod method = InextensibilityMethod::fast_projection;
   std::optional<Constrain> constrain; ///< absent: see constrain_of
   double strain = 0.01;
-  std::optional<double> faces;        ///< of single triangles, in strains; absent: see largest_face_strain
+  double faces = 5;                   ///< of single triangles under averages, in strains
   std::optional<LinearSolver> solver; ///< absent: see resolve
   int max_iterations = 20;
   double residual = 0.3; ///< of newton

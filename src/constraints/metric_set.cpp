@@ -129,7 +129,7 @@ void MetricSet::factor(std::span<const double> metric) {
 
 SolveReport MetricSet::solve(double tolerance) {
   factor(inverse_mass_);
-  residual({residual_.data()->data(), rows()});
+  residual({reinterpret_cast<double*>(residual_.data()), rows()});
   SolveReport report = system_->solve(residual_, tolerance, change_);
   if (!report.failure.empty()) return report;
   add_change();
@@ -159,7 +159,7 @@ void MetricSet::tension_weights(std::span<double> weights) const {
 }
 
 void MetricSet::multipliers(std::span<double> rows) const {
-  std::copy_n(mu_.data()->data(), rows.size(), rows.begin());
+  std::copy_n(reinterpret_cast<const double*>(mu_.data()), rows.size(), rows.begin());
 }
 
 std::vector<RowEdge> MetricSet::row_edges() const {

@@ -1,6 +1,5 @@
 #include "src/constraints/triangle_bounds.hpp"
 
-#include "src/config/methods.hpp"
 #include "src/state/material_coordinates.hpp"
 
 #include <algorithm>
@@ -40,8 +39,8 @@ std::vector<Tangent> bounded_tangents(const Cloth& cloth, std::span<const Local>
 }
 
 TriangleBounds::TriangleBounds(const Cloth& cloth, const config::Inextensibility& options)
-    : cloth_(cloth), bound_(config::largest_face_strain(options) * options.strain),
-      pull_(cloth.mesh.vertices.size(), Vec3::Zero()), change_(pull_) {
+    : cloth_(cloth), bound_(options.faces * options.strain), pull_(cloth.mesh.vertices.size(), Vec3::Zero()),
+      change_(pull_) {
   for (const Tangent& t : bounded_tangents(cloth, cloth.mesh.owned_cells))
     directions_.push_back({t.stencil, std::sqrt(t.measure)});
 }

@@ -22,7 +22,7 @@ std::vector<int> owners_of(MPI_Comm comm, std::span<const Global> keys, std::spa
   std::vector<int> judge;
   for (std::size_t n = 0; n < keys.size(); ++n) {
     claims.push_back({keys[n], candidate[n] ? here : -1});
-    judge.push_back(int(std::hash<Global>()(keys[n] * 2654435761) % std::size_t(ranks)));
+    judge.push_back(int(std::uint64_t(keys[n]) * 2654435761 % std::uint64_t(ranks)));
   }
   const auto heard = exchange(comm, claims, judge);
   std::unordered_map<Global, Global> owner;

@@ -91,6 +91,7 @@ public:
 
   /// A += the terms, whose gradients hold the factors of the step already.
   void set_far(ContactCouplings terms) { matrix_.set_far(std::move(terms)); }
+  void set_near(std::vector<VertexMatrix::RankOne> terms) { matrix_.set_near(std::move(terms)); }
 
   /// h (f - D v) of owned vertices, of what was added since `start_explicit`; inertia must not have been. `v`
   /// over local vertices, ghosts current; `impulse` too, of which the owned part is meaningful.

@@ -8,6 +8,7 @@ void VertexMatrix::clear() {
   std::fill(values_.begin(), values_.end(), 0.0);
   rank_ones_.clear();
   wide_rank_ones_.clear();
+  near_.clear();
   far_.reset();
 }
 

@@ -62,6 +62,8 @@ public:
 
   /// A += the terms, in place of those set before.
   void set_far(ContactCouplings terms) { far_ = std::move(terms); }
+  /// A += g g^T of each, in place of those set before.
+  void set_near(std::vector<RankOne> terms) { near_ = std::move(terms); }
   const std::optional<ContactCouplings>& far() const { return far_; }
 
   const Pattern& pattern() const { return pattern_; }
@@ -71,6 +73,7 @@ public:
   template<class Visit>
   void for_each_rank_one(Visit&& visit) const {
     for (const RankOne& r : rank_ones_) visit(r);
+    for (const RankOne& r : near_) visit(r);
     for (const WideRankOne& r : wide_rank_ones_) visit(r);
   }
 
@@ -84,7 +87,7 @@ public:
 private:
   const Pattern& pattern_;
   std::vector<double> values_;
-  std::vector<RankOne> rank_ones_;
+  std::vector<RankOne> rank_ones_, near_;
   std::vector<WideRankOne> wide_rank_ones_;
   std::optional<ContactCouplings> far_;
 };

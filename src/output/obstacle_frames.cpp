@@ -37,7 +37,8 @@ ObstacleFrames::ObstacleFrames(const Cloth& cloth, const Obstacles& obstacles)
 
 void ObstacleFrames::write_once(H5Writer& file) const {
   const Slab slab = rows_on_first(comm_, surface_.faces().size());
-  const std::span<const Global> corners(surface_.faces().data()->data(), 3 * surface_.faces().size());
+  const std::span<const Global> corners(reinterpret_cast<const Global*>(surface_.faces().data()),
+                                        3 * surface_.faces().size());
   file.write<Global>("/obstacles/faces", part(slab, corners, 3), 3, slab);
   file.write<std::int32_t>("/obstacles/bodies", part(slab, surface_.bodies()), 1, slab);
   if (all_rest_) write_positions(file, 0);

@@ -72,7 +72,8 @@ void write_edges(H5Writer& file, const Cloth& cloth) {
     ends.push_back(
         {mesh.vertices.original[mesh.edge_vertices[e][0]], mesh.vertices.original[mesh.edge_vertices[e][1]]});
   ends = mesh.edge_order.to_slab<std::array<Global, 2>>(ends);
-  file.write<Global>("/constraints/edges", {ends.data()->data(), 2 * ends.size()}, 2, edges);
+  file.write<Global>("/constraints/edges", {reinterpret_cast<const Global*>(ends.data()), 2 * ends.size()}, 2,
+                     edges);
   file.write<double>("/constraints/rest_lengths", mesh.edge_order.to_slab<double>(cloth.rest_length), 1,
                      edges);
 }

@@ -87,9 +87,7 @@ bool draw_apart(const Case& input, const HeldVertex& a, const HeldVertex& b) {
 /// `way`: m between them along edges.
 void check_pair(const Case& input, const HeldVertex& a, const HeldVertex& b, double way) {
   const config::Inextensibility& limits = input.inextensibility;
-  constexpr double usual = 5; // limits that single triangles may strain, whatever keeps them
-  const double most = (1 + limits.strain * limits.faces.value_or(usual)) * way,
-               at_start = (a.start - b.start).norm();
+  const double most = (1 + limits.strain * limits.faces) * way, at_start = (a.start - b.start).norm();
   for (const double time : times_of(input, a.pin, b.pin)) {
     const double apart = distance_at(input, a, b, time);
     if (apart <= std::max(most, at_start)) continue;

@@ -54,7 +54,8 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   result.weight = weight_of(cloth, input.gravity.largest());
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
-  if (limits.faces && limits.method == config::InextensibilityMethod::newton &&
+  if (limits.faces != config::Inextensibility{}.faces &&
+      limits.method == config::InextensibilityMethod::newton &&
       input.contact_model() != config::ContactModel::constraint)
     throw InputError(input.file.string() + ": inextensibility.faces: method newton has no such bound without "
                                            "contact; remove it, or choose method fast_projection");
@@ -67,7 +68,7 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
   result.strain_limit = limits.strain;
   if (limits.constrain == config::Constrain::vertices &&
       (config::is_filter(limits.method) || input.contact_model() == config::ContactModel::constraint))
-    result.faces_limit = config::largest_face_strain(limits) * limits.strain;
+    result.faces_limit = limits.faces * limits.strain;
   return result;
 }
 

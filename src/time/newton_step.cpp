@@ -34,6 +34,9 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       contact_(input.contact_model() == config::ContactModel::constraint
                    ? make_contact_projection<Bounded<Set>>(parts, input)
                    : nullptr),
+      triangles_(contact_ && parts.resolved.faces_limit
+                     ? std::optional<TrianglePenalty>(std::in_place, parts.cloth, options_)
+                     : std::nullopt),
       stiffness_(parts.cloth.mesh), freedom_(parts.cloth.mesh.vertices.size()),
       slots_(edge_slots(parts.cloth.mesh, parts.pattern)), weights_(parts.cloth.mesh.edges.size()),
       added_(weights_), rows_(set_.rows()), change_(rows_), kept_(rows_),
@@ -65,6 +68,9 @@ void NewtonStep<Set>::begin(const StepStart& start, Candidate& candidate) {
   if (options_.carried_tension) candidate.multipliers.force_density = start.state.multipliers.force_density;
   set_.start(start.state, start.dt, freedom_, candidate);
   keep_violation(start);
+  if (!triangles_) return;
+  stiffen();
+  triangles_->begin(metric());
 }
 
 /// A step that is short all of a sudden need not correct at once what long ones have left: vertices would be
@@ -85,7 +91,7 @@ void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, Step
   for (bool is_solved = false;; is_solved = true) {
     const double strain = project(start, candidate, report);
     if (!report.failure.empty()) return;
-    find_residual(start.dt, candidate.velocities);
+    find_residual(start.dt, candidate);
     set_.residual(rows_);
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] -= kept_[row];
     const double unit = unit_of_movement(start, candidate);
@@ -144,6 +150,7 @@ bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepRe
   constexpr double still = 1e-3; // of the unit: what stands still
   stiffen();
   if (has_contacts()) hold_contacts();
+  if (triangles_) assembly_.system().set_near(triangles_->terms(candidate.positions));
   solver_.factor(stiffness_);
   const double part = part_of_limit * options_.residual;
   for (std::size_t i = 0; i < moved_.size(); ++i) moved_[i] = dt * candidate.velocities[i];
@@ -179,7 +186,8 @@ void NewtonStep<Set>::shorten_change() {
 
 /// h (b - A v) - J^T mu at owned vertices, for the matrix A without tension's part.
 template<ConstraintSetInNewton Set>
-void NewtonStep<Set>::find_residual(double dt, std::span<const Vec3> v) {
+void NewtonStep<Set>::find_residual(double dt, const Candidate& candidate) {
+  const std::span<const Vec3> v = candidate.velocities;
   const DistributedMesh& mesh = cloth_.mesh;
   assembly_.system().matrix().multiply(v, residual_);
   const auto b = assembly_.system().rhs();
@@ -192,6 +200,7 @@ void NewtonStep<Set>::find_residual(double dt, std::span<const Vec3> v) {
   set_.begin_spread(rows_);
   set_.end_spread(residual_);
   if (has_contacts()) contact_->foreseen().evaluate(v, residual_);
+  if (triangles_) triangles_->evaluate(candidate.positions, v, dt, residual_);
   for (Local i = 0; i < mesh.vertices.owned; ++i) left_[i] = freedom_.allowed(i, residual_[i]);
 }
 
@@ -209,15 +218,20 @@ void NewtonStep<Set>::stiffen() {
 /// The same of contacts that press.
 template<ConstraintSetInNewton Set>
 void NewtonStep<Set>::hold_contacts() {
-  if (!contact_->foreseen().has_been_solved()) {
-    std::vector<Mat3> blocks(cloth_.mesh.vertices.owned);
-    stiffness_.diagonal_blocks(blocks);
-    std::vector<double> metric;
-    for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-      metric.push_back(freedom_.is_held(i) ? 0.0 : 3.0 / blocks[i].trace());
-    contact_->foreseen().set_metric(metric);
-  }
+  if (!contact_->foreseen().has_been_solved()) contact_->foreseen().set_metric(metric());
   assembly_.system().set_far(contact_->foreseen().couplings());
+}
+
+/// Inverse, of the system as it is, 1/kg of local vertices, 0 if held.
+template<ConstraintSetInNewton Set>
+std::vector<double> NewtonStep<Set>::metric() const {
+  std::vector<Mat3> blocks(cloth_.mesh.vertices.owned);
+  stiffness_.diagonal_blocks(blocks);
+  std::vector<double> metric(cloth_.mesh.vertices.size());
+  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
+    metric[i] = freedom_.is_held(i) ? 0.0 : 3.0 / blocks[i].trace();
+  cloth_.mesh.vertex_halo.update(metric);
+  return metric;
 }
 
 /// What pins take is what is left where they hold.

@@ -2,6 +2,7 @@
 #include "src/constraints/choose_set.hpp"
 #include "src/filters/contact_projection.hpp"
 #include "src/newton/newton_solver.hpp"
+#include "src/newton/triangle_penalty.hpp"
 #include "src/time/step_assembly.hpp"
 #include "src/time/stepper.hpp"
 
@@ -34,7 +35,7 @@ namespace taut {
 /// point.
 ///
 /// With contact, what solves leave of it is corrected by ContactProjection, and so is what single triangles
-/// strain beyond their bound.
+/// strain beyond their bound; TrianglePenalty leaves little of that.
 ///
 /// A step is done when its strain is within the limit and what is left of the equations would move the cloth
 /// (NewtonSolver::movement) by at most `residual` times what gravity, or a stronger acceleration, does in the
@@ -57,9 +58,10 @@ private:
   double project(const StepStart& start, Candidate& candidate, StepReport& report);
   double unit_of_movement(const StepStart& start, const Candidate& candidate);
   bool solve(double dt, double unit, Candidate& candidate, StepReport& report);
-  void find_residual(double dt, std::span<const Vec3> velocities);
+  void find_residual(double dt, const Candidate& candidate);
   void stiffen();
   bool has_contacts() const { return contact_ && contact_->foreseen().count() > 0; }
+  std::vector<double> metric() const;
   void hold_contacts();
   void shorten_change();
   void find_reaction(double dt, Candidate& candidate) const;
@@ -75,6 +77,7 @@ private:
   Set set_;
   NewtonSolver<Set> solver_;
   std::unique_ptr<ContactProjection<Bounded<Set>>> contact_; ///< none without contact
+  std::optional<TrianglePenalty> triangles_;                 ///< none where they have no bound
   FilteredOperator stiffness_;
   Freedom freedom_;
   std::vector<std::int32_t> slots_;     ///< of tension's stiffness, see edge_slots
