@@ -99,9 +99,8 @@ void ElementSearch::begin() {
   obstacle_tree_.build({boxes_.begin() + own_, boxes_.end()});
   grown_.clear();
   is_grown_.assign(known_elements_, false);
-  pairs_.clear();
-  for (const auto& [i, j] : own_tree_.pairs())
-    if (may_meet(i, j)) pairs_.emplace_back(i, j);
+  pairs_ = own_tree_.pairs();
+  if (cells_ < own_) std::erase_if(pairs_, [this](const BoxPair& p) { return !may_meet(p.first, p.second); });
   for (const auto& [i, j] : own_tree_.pairs_with(obstacle_tree_)) pairs_.emplace_back(i, own_ + j);
 }
 

@@ -38,6 +38,7 @@ std::vector<Element> strings_clear_of(const Obstacles& obstacles, const Cloth& c
     strings.push_back({{a, b, a}, 2, its_edge, Element::string});
     ways.push_back({positions[a], positions[b], positions[a]});
   }
+  if (ways.empty()) return {};
   const auto elements = full_elements(obstacles);
   std::vector<bool> passes_body(ways.size(), false);
   for (const auto& [i, j] : tree_of(ways).pairs_with(tree_of(elements)))

@@ -18,7 +18,7 @@ struct StepperParts {
   const Pattern& pattern;
   const Pins& pins;
   const Resolved& resolved;
-  std::span<const Vec3> start; ///< m, of local vertices: where the case puts them
+  std::span<const Vec3> start; ///< m, of local vertices, where the case puts them: while steppers are made
   Forces& forces;              ///< to which a stepper may add its own
 };
 
