@@ -50,6 +50,14 @@ void FilteredOperator::inverse_diagonal_blocks(std::span<Mat3> blocks) const {
   for (Mat3& block : blocks) block = block.inverse().eval();
 }
 
+void FilteredOperator::inverse_means(std::vector<double>& means) const {
+  std::vector<Mat3> blocks(mesh_.vertices.owned);
+  diagonal_blocks(blocks);
+  for (Local i = 0; i < mesh_.vertices.owned; ++i)
+    means[i] = freedom_->is_held(i) ? 0.0 : 3.0 / blocks[i].trace();
+  mesh_.vertex_halo.update(means);
+}
+
 void FilteredOperator::blocks(std::span<Mat3> blocks) const {
   const Pattern& pattern = matrix_->pattern();
   for (std::size_t k = 0; k < blocks.size(); ++k) blocks[k] = matrix_->values()[k] * Mat3::Identity();

@@ -25,6 +25,10 @@ public:
   void diagonal_blocks(std::span<Mat3> blocks) const;
   void inverse_diagonal_blocks(std::span<Mat3> blocks) const;
 
+  /// 3 / trace of the diagonal blocks, in 1/kg, 0 where held: W of Newton's method; over local vertices.
+  /// Collective over neighbours.
+  void inverse_means(std::vector<double>& means) const;
+
   /// All blocks, in the order of the matrix's pattern; but for terms between vertices that are no neighbours
   /// (VertexMatrix::set_far).
   void blocks(std::span<Mat3> blocks) const;

@@ -63,13 +63,9 @@ void NewtonSolver<Set>::renew_factor() {
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::find_metric() {
   const Local owned = cloth_.mesh.vertices.owned;
-  std::vector<Mat3> blocks(owned);
-  stiffness_->diagonal_blocks(blocks);
-  for (Local i = 0; i < owned; ++i) {
-    metric_[i] = stiffness_->freedom().is_held(i) ? 0.0 : 3.0 / blocks[i].trace();
-    std::fill_n(weights_.begin() + 3 * i, 3, 3.0 / blocks[i].trace());
-  }
-  cloth_.mesh.vertex_halo.update(metric_);
+  stiffness_->inverse_means(metric_);
+  for (Local i = 0; i < owned; ++i)
+    std::fill_n(weights_.begin() + 3 * i, 3, metric_[i] > 0 ? metric_[i] : 1.0);
   std::copy_n(set_.program_compliance().begin(), rows_.size(), rows_.begin());
   for (const auto& [row, edge, factor] : row_edges_) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[edge];

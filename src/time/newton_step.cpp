@@ -225,12 +225,8 @@ void NewtonStep<Set>::hold_contacts() {
 /// Inverse, of the system as it is, 1/kg of local vertices, 0 if held.
 template<ConstraintSetInNewton Set>
 std::vector<double> NewtonStep<Set>::metric() const {
-  std::vector<Mat3> blocks(cloth_.mesh.vertices.owned);
-  stiffness_.diagonal_blocks(blocks);
   std::vector<double> metric(cloth_.mesh.vertices.size());
-  for (Local i = 0; i < cloth_.mesh.vertices.owned; ++i)
-    metric[i] = freedom_.is_held(i) ? 0.0 : 3.0 / blocks[i].trace();
-  cloth_.mesh.vertex_halo.update(metric);
+  stiffness_.inverse_means(metric);
   return metric;
 }
 
