@@ -65,7 +65,7 @@ void NewtonSolver<Set>::find_metric() {
   const Local owned = cloth_.mesh.vertices.owned;
   stiffness_->inverse_means(metric_);
   for (Local i = 0; i < owned; ++i)
-    std::fill_n(weights_.begin() + 3 * i, 3, metric_[i] > 0 ? metric_[i] : 1.0);
+    std::fill_n(weights_.begin() + 3 * i, 3, metric_[i] == 0 ? 1.0 : metric_[i]); // where held: the identity
   std::copy_n(set_.program_compliance().begin(), rows_.size(), rows_.begin());
   for (const auto& [row, edge, factor] : row_edges_) {
     const auto& [a, b] = cloth_.mesh.edge_vertices[edge];
