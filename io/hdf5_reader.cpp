@@ -9,9 +9,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* cure = "check that this is the right file and that it is complete";
+constexpr const char* reading_cure = "check that this is the right file and that it is complete";
 
-std::string subject(const fs::path& path, const std::string& name) {
+std::string unreadable(const fs::path& path, const std::string& name) {
   return fmt::format("{}: {} cannot be read", path.string(), name);
 }
 
@@ -73,7 +73,7 @@ H5Reader::H5Reader(MPI_Comm comm, fs::path path, Checksum needed) : comm_(comm),
       throw InputError(fmt::format("{}: no such file, or it may not be read", path_.string()));
   });
   verify_checksum(comm_, path_, needed);
-  h5::collectively(comm_, fmt::format("{}: cannot be opened as HDF5", path_.string()), cure, [&] {
+  h5::collectively(comm_, fmt::format("{}: cannot be opened as HDF5", path_.string()), reading_cure, [&] {
     const H5Handle access = h5::shared_access(comm_);
     file_ = h5::own(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
   });
@@ -83,7 +83,7 @@ bool H5Reader::has(const std::string& name) const { return link_exists(file_.get
 
 std::vector<hsize_t> H5Reader::shape(const std::string& name) const {
   std::vector<hsize_t> shape;
-  h5::collectively(comm_, subject(path_, name), cure, [&] {
+  h5::collectively(comm_, unreadable(path_, name), reading_cure, [&] {
     if (!has(name)) throw h5::Failure("the file has no such dataset");
     const H5Handle dataset = h5::own(H5Dopen2(file_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
     const H5Handle space = h5::own(H5Dget_space(dataset.get()), H5Sclose);
@@ -117,7 +117,8 @@ template std::vector<std::int32_t> H5Reader::read(const std::string&, Slab) cons
 std::vector<Vec3> H5Reader::read_vectors(const std::string& name, Slab rows) const {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
   if (columns(name) != 3)
-    throw InputError(fmt::format("{}: it does not have 3 columns; {}", subject(path_, name), cure));
+    throw InputError(
+        fmt::format("{}: it does not have 3 columns; {}", unreadable(path_, name), reading_cure));
   std::vector<Vec3> values(rows.count);
   read_rows(name, values.data(), H5T_NATIVE_DOUBLE, rows);
   return values;
@@ -125,7 +126,7 @@ std::vector<Vec3> H5Reader::read_vectors(const std::string& name, Slab rows) con
 
 void H5Reader::read_rows(const std::string& name, void* rows_out, hid_t type, Slab rows) const {
   const std::vector<hsize_t> dims = shape(name);
-  h5::collectively(comm_, subject(path_, name), cure, [&] {
+  h5::collectively(comm_, unreadable(path_, name), reading_cure, [&] {
     if (dims[0] != static_cast<hsize_t>(rows.total))
       throw h5::Failure(fmt::format("it has {} rows instead of {}", dims[0], rows.total));
     const H5Handle dataset = h5::own(H5Dopen2(file_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
@@ -142,7 +143,7 @@ void H5Reader::read_rows(const std::string& name, void* rows_out, hid_t type, Sl
 template<class T>
 T H5Reader::attribute(const std::string& name) const {
   T value{};
-  h5::collectively(comm_, subject(path_, "attribute " + name), cure, [&] {
+  h5::collectively(comm_, unreadable(path_, "attribute " + name), reading_cure, [&] {
     if (H5Aexists(file_.get(), name.c_str()) <= 0) throw h5::Failure("the file has no such attribute");
     const H5Handle attribute = h5::own(H5Aopen(file_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
     if constexpr (std::same_as<T, std::string>)

@@ -8,15 +8,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* cure = "check that the folder exists, may be written to and has room";
-
 /// Bytes; far more than one call adds of HDF5's own: names, headers, tables.
 constexpr Global own_needs = 1 << 16;
 
 /// Bytes; so much more than is needed now may be set aside at once.
 constexpr Global most_ahead = 1 << 24;
 
-std::string subject(const fs::path& path, const std::string& name) {
+std::string unwritable(const fs::path& path, const std::string& name) {
   return fmt::format("{}: {} cannot be written", path.string(), name);
 }
 
@@ -68,10 +66,11 @@ H5Writer::H5Writer(MPI_Comm comm, fs::path path) : comm_(comm), path_(std::move(
   const std::string subject = fmt::format("{}: cannot be created", path_.string());
   try {
     on_rank_0(comm_, [&] {
-      h5::collectively(MPI_COMM_SELF, subject, cure, [&] { begin_part(path_, file_without_datasets()); });
+      h5::collectively(MPI_COMM_SELF, subject, writing_cure,
+                       [&] { begin_part(path_, file_without_datasets()); });
     });
     set_aside(0);
-    h5::collectively(comm_, subject, cure, [&] {
+    h5::collectively(comm_, subject, writing_cure, [&] {
       const H5Handle access = h5::writing_access(comm_);
       file_ = h5::own(H5Fopen(part_of(path_).c_str(), H5F_ACC_RDWR, access.get()), H5Fclose);
     });
@@ -108,7 +107,7 @@ void H5Writer::write_rows(const std::string& name, const void* my_rows, hid_t ty
   std::vector<hsize_t> shape{static_cast<hsize_t>(rows.total)};
   if (columns != 1) shape.push_back(static_cast<hsize_t>(columns));
   set_aside(rows.total * columns * static_cast<Global>(H5Tget_size(type)));
-  h5::collectively(comm_, subject(path_, name), cure, [&] {
+  h5::collectively(comm_, unwritable(path_, name), writing_cure, [&] {
     const h5::Selection selection = h5::select(shape, rows);
     const H5Handle links = with_groups(), creation = unfilled_and_undated();
     const H5Handle dataset = h5::own(H5Dcreate2(file_.get(), name.c_str(), type, selection.file.get(),
@@ -152,7 +151,7 @@ void H5Writer::attribute(const std::string& name, const std::string& value) {
 
 void H5Writer::write_attribute(const std::string& name, const void* value, hid_t type, std::size_t size) {
   set_aside(static_cast<Global>(size));
-  h5::collectively(comm_, subject(path_, "attribute " + name), cure, [&] {
+  h5::collectively(comm_, unwritable(path_, "attribute " + name), writing_cure, [&] {
     const H5Handle scalar = h5::own(H5Screate(H5S_SCALAR), H5Sclose);
     const H5Handle attribute = h5::own(
         H5Acreate2(file_.get(), name.c_str(), type, scalar.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
@@ -162,7 +161,7 @@ void H5Writer::write_attribute(const std::string& name, const void* value, hid_t
 
 void H5Writer::close(Outlives outlives) {
   try {
-    h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), cure,
+    h5::collectively(comm_, fmt::format("{}: cannot be completed", path_.string()), writing_cure,
                      [&] { close_file(); });
     append_checksum(comm_, path_);
     on_rank_0(comm_, [&] { publish(path_, outlives); });

@@ -33,8 +33,6 @@ struct Layout {
 };
 static_assert(sizeof(Layout) == header_size && offsetof(Layout, frames) == place_of_frames);
 
-constexpr const char* cure = "check that the folder exists, may be written to and has room";
-
 /// What MPI says against it; empty if all is well.
 std::string words_for(int status) {
   if (status == MPI_SUCCESS) return "";
@@ -84,7 +82,7 @@ void set_pc2_frames(const fs::path& path, std::int32_t frames) {
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
   file.seekp(place_of_frames);
   file.write(reinterpret_cast<const char*>(&frames), sizeof frames);
-  if (!file.flush()) throw InputError(fmt::format("{}: cannot be written; {}", path.string(), cure));
+  if (!file.flush()) throw InputError(fmt::format("{}: cannot be written; {}", path.string(), writing_cure));
 }
 
 /// Room is taken beforehand: a collective write to a full disk may pass for a success.
@@ -99,7 +97,7 @@ void write_pc2_frame(MPI_Comm comm, const fs::path& path, std::int32_t frame, st
   const std::string words = write_at(comm, path, begin + vertex_size * rows.first, numbers);
   std::optional<std::string> error;
   if (!words.empty())
-    error = fmt::format("{}: frame {} cannot be written: {}; {}", path.string(), frame, words, cure);
+    error = fmt::format("{}: frame {} cannot be written: {}; {}", path.string(), frame, words, writing_cure);
   agree(comm, error);
   on_rank_0(comm, [&] { set_pc2_frames(path, frame + 1); });
 }

@@ -32,8 +32,7 @@ private:
 
 [[noreturn]] void refuse(const fs::path& path, int error = errno) {
   throw InputError(
-      fmt::format("{}: cannot be written: {}; check that the folder exists, may be written to and has room",
-                  path.string(), std::strerror(error)));
+      fmt::format("{}: cannot be written: {}; {}", path.string(), std::strerror(error), writing_cure));
 }
 
 void write_all(const Descriptor& file, std::string_view text, const fs::path& path) {

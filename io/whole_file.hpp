@@ -14,6 +14,9 @@ namespace taut {
 /// it is on the disk.
 enum class Outlives { program, machine };
 
+/// What cures a failure to write, in the words of messages.
+inline constexpr const char* writing_cure = "check that the folder exists, may be written to and has room";
+
 /// The temporary name of `path` while it is being written: the same folder, ".part" added.
 std::filesystem::path part_of(const std::filesystem::path& path);
 

@@ -22,7 +22,7 @@ namespace taut::command {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 Json read_summary(const fs::path& file) {
   std::ifstream in(file);

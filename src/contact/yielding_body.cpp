@@ -10,7 +10,7 @@ namespace taut {
 
 namespace {
 
-constexpr int rounds = 2;                        ///< of evening out
+constexpr int few_rounds = 2;                    ///< of evening out
 constexpr double all_around = 0, opposite = 0.7; ///< cosines
 
 /// The vertices of a body along x.
@@ -61,7 +61,7 @@ std::vector<Vec3> ways_to_room(std::span<const Vec3> positions,
       ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room, opposite)) * normals[v];
   }
   const std::vector<Vec3> asked = ways;
-  even_out(ways, triangles, rounds);
+  even_out(ways, triangles, few_rounds);
   keep_at_least(ways, asked);
   return ways;
 }

@@ -1,5 +1,7 @@
 #include "src/garment/curve.hpp"
 
+#include "src/garment/plane.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -72,8 +74,6 @@ private:
   const Bezier& curve_;
   std::array<double, pieces + 1> until_{};
 };
-
-double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 Vec2 point_at(const Arc& a, double part) {
   const double angle = a.from + part * a.turn;

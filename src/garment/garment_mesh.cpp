@@ -4,19 +4,19 @@
 #include "partition/error.hpp"
 #include "partition/sort_unique.hpp"
 #include "src/garment/panel_mesh.hpp"
+#include "src/garment/plane.hpp"
 #include "src/garment/polygon.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <set>
 
 namespace taut::garment {
 
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, least_angle = 15 * degree;
+constexpr double least_angle = 15 * degree;
 
 /// Panel and material coordinates.
 class MaterialFrame {

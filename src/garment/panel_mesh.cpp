@@ -1,10 +1,10 @@
 #include "src/garment/panel_mesh.hpp"
 
 #include "src/garment/lattice.hpp"
+#include "src/garment/plane.hpp"
 #include "src/garment/polygon.hpp"
 #include "src/garment/triangulation.hpp"
 
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -13,7 +13,7 @@ namespace taut::garment {
 namespace {
 
 /// What triangles should not be sharper than; where nothing helps, they are.
-constexpr double target_angle = 27 * std::numbers::pi / 180;
+constexpr double target_angle = 27 * degree;
 
 /// The triangles that lie outside the rings; nothing if an edge of a ring is none of the triangulation.
 std::optional<std::vector<std::array<int, 3>>> outside(const Triangulation& all,

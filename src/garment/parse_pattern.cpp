@@ -1,5 +1,6 @@
 #include "partition/error.hpp"
 #include "src/garment/pattern_block.hpp"
+#include "src/garment/plane.hpp"
 #include "src/garment/read_pattern.hpp"
 
 #include <Eigen/Geometry>
@@ -7,7 +8,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
-#include <numbers>
 
 namespace taut::garment {
 
@@ -15,8 +15,6 @@ namespace {
 
 using config::Spot;
 using config::Tree;
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// What a pattern says of itself; the initial values are those of one written by hand.
 struct Properties {

@@ -1,13 +1,13 @@
 #include "src/garment/triangulation.hpp"
 
+#include "src/garment/plane.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace taut::garment {
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 /// Twice the area.
 double area_of(const Vec2& a, const Vec2& b, const Vec2& c) { return cross(b - a, c - a); }

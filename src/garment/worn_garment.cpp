@@ -2,6 +2,7 @@
 
 #include "io/hdf5.hpp"
 #include "partition/error.hpp"
+#include "src/garment/plane.hpp"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -18,8 +19,7 @@ namespace {
 /// The parts of the three corners that make up a point of the plane.
 Vec3 weights_of(const std::array<Vec2, 3>& x, const Vec2& p) {
   const Vec2 a = x[1] - x[0], b = x[2] - x[0], d = p - x[0];
-  const double area = a[0] * b[1] - a[1] * b[0];
-  const double v = (d[0] * b[1] - d[1] * b[0]) / area, w = (a[0] * d[1] - a[1] * d[0]) / area;
+  const double area = cross(a, b), v = cross(d, b) / area, w = cross(a, d) / area;
   return {1 - v - w, v, w};
 }
 

@@ -25,13 +25,13 @@ std::unique_ptr<FrameSink> make_sink(const FrameSource& source) {
 }
 
 template<class Sink>
-constexpr Format format(config::FrameFormat name) {
+constexpr Format format_of(config::FrameFormat name) {
   return {name, make_sink<Sink>, Sink::file, Sink::count_frames, Sink::drop_frames};
 }
 
 constexpr std::array all_formats{
-    format<XdmfSink>(config::FrameFormat::xdmf),
-    format<Pc2Sink>(config::FrameFormat::pc2),
+    format_of<XdmfSink>(config::FrameFormat::xdmf),
+    format_of<Pc2Sink>(config::FrameFormat::pc2),
 };
 
 bool is_in(std::span<const config::FrameFormat> wanted, const Format& format) {

@@ -73,9 +73,7 @@ std::string rows_so_far(std::istream& in, const Row& columns, Global last_step) 
 }
 
 std::string cannot_be_written(const std::filesystem::path& file) {
-  return fmt::format(
-      "{}: cannot be written: {}; check that the folder exists, may be written to and has room",
-      file.string(), std::strerror(errno));
+  return fmt::format("{}: cannot be written: {}; {}", file.string(), std::strerror(errno), writing_cure);
 }
 
 } // namespace
