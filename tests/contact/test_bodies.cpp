@@ -57,5 +57,21 @@ TEST(YieldingBody, LeavesRoomBetweenLimbsAndNothingElseMoves) {
   EXPECT_EQ(outer, 0);
 }
 
+/// The largest way of two limbs that meet at an angle (rad).
+double most_that_yields(double angle) {
+  const Vec3 ends{0.1 * std::cos(angle), 0.1 * std::sin(angle), 0};
+  const UnionMesh limbs =
+      mesh_union({{capsule({0, 0, 0}, {0.1, 0, 0}, 0.02), capsule({0, 0, 0}, ends, 0.02)}, 0, 0.004});
+  double most = 0;
+  for (const Vec3& way : ways_to_room(limbs.positions, limbs.triangles, 0.01))
+    most = std::max(most, way.norm());
+  return most;
+}
+
+TEST(YieldingBody, LeavesRoomInArmpitsButNotInCreasesThatClothLiesOver) {
+  EXPECT_GT(most_that_yields(0.25 * M_PI), 0.002);
+  EXPECT_EQ(most_that_yields(0.55 * M_PI), 0);
+}
+
 } // namespace
 } // namespace taut::test
