@@ -10,8 +10,9 @@ namespace taut {
 
 namespace {
 
-constexpr int few_rounds = 2;                             ///< of evening out
-constexpr double around = 0, behind = 0.7, facing = -0.2; ///< cosines
+constexpr int few_rounds = 2, most_rounds = 100; ///< of evening out
+constexpr double steepest = 0.4; ///< change of ways from vertex to vertex, in parts of their distance
+constexpr double around = 0, behind = 0.7, opposed = -0.2; ///< cosines
 
 /// The vertices of a body along x.
 class AlongX {
@@ -52,17 +53,32 @@ private:
 };
 
 /// The vertices that have a part of the body in front of them, and nearer than `room`, whose normal is
-/// opposed to theirs.
-std::vector<bool> facing_others(std::span<const Vec3> positions, std::span<const Vec3> normals,
-                                const AlongX& vertices, double room) {
-  std::vector<bool> faces(positions.size());
-  for (std::size_t v = 0; v < faces.size(); ++v)
-    faces[v] = vertices.any_near(positions[v], room, [&](Local w) {
+/// opposed to theirs. Tried: without those that edges join to it within 0.7 rooms, to leave out lips and
+/// ears. A scanned head has a mouth inside, and as many vertices moved as before.
+std::vector<Local> facing_others(std::span<const Vec3> positions, std::span<const Vec3> normals,
+                                 const AlongX& vertices, double room) {
+  std::vector<Local> facing;
+  for (Local v = 0; v < Local(positions.size()); ++v) {
+    const bool faces = vertices.any_near(positions[v], room, [&](Local w) {
       const Vec3 apart = positions[w] - positions[v];
-      return normals[w].dot(normals[v]) < facing && apart.dot(normals[v]) > 0 &&
+      return normals[w].dot(normals[v]) < opposed && apart.dot(normals[v]) > 0 &&
              radius_of_ball(apart, normals[v]) < 0.5 * room;
     });
-  return faces;
+    if (faces) facing.push_back(v);
+  }
+  return facing;
+}
+
+/// Which vertices are within `reach` of one of these.
+std::vector<bool> near_to(std::span<const Local> places, std::span<const Vec3> positions,
+                          const AlongX& vertices, double reach) {
+  std::vector<bool> near(positions.size(), false);
+  for (const Local v : places)
+    vertices.any_near(positions[v], reach, [&](Local w) {
+      if ((positions[w] - positions[v]).norm() < reach) near[w] = true;
+      return false;
+    });
+  return near;
 }
 
 /// Where evening out took from what is asked for, it is asked for again.
@@ -71,25 +87,46 @@ void keep_at_least(std::vector<Vec3>& ways, std::span<const Vec3> asked) {
     if (ways[v].norm() < asked[v].norm()) ways[v] = asked[v];
 }
 
+/// Where neighbours go so differently that triangles would fold, ways become the mean of their neighbours',
+/// again and again.
+void unfold(std::vector<Vec3>& ways, std::span<const Vec3> positions,
+            std::span<const std::array<Local, 3>> triangles) {
+  std::vector<bool> folds(ways.size());
+  for (int round = 0; round < most_rounds; ++round) {
+    std::fill(folds.begin(), folds.end(), false);
+    for (const auto& t : triangles)
+      for (int k = 0; k < 3; ++k) {
+        const Local a = t[k], b = t[(k + 1) % 3];
+        if ((ways[a] - ways[b]).norm() > steepest * (positions[a] - positions[b]).norm())
+          folds[a] = folds[b] = true;
+      }
+    if (std::find(folds.begin(), folds.end(), true) == folds.end()) return;
+    std::vector<Vec3> means = ways;
+    even_out(means, triangles, 1);
+    for (std::size_t v = 0; v < ways.size(); ++v)
+      if (folds[v]) ways[v] = means[v];
+  }
+}
+
 } // namespace
 
 std::vector<Vec3> ways_to_room(std::span<const Vec3> positions,
                                std::span<const std::array<Local, 3>> triangles, double room) {
   const std::vector<Vec3> normals = outward_normals(positions, triangles);
   const AlongX vertices(positions);
-  const std::vector<bool> faces = facing_others(positions, normals, vertices, room);
-  const auto is_near_such = [&](const Vec3& p) {
-    return vertices.any_near(p, room, [&](Local w) { return faces[w] && (positions[w] - p).norm() < room; });
-  };
+  const std::vector<bool> near =
+      near_to(facing_others(positions, normals, vertices, room), positions, vertices, room);
   std::vector<Vec3> ways(positions.size(), Vec3::Zero());
   for (Local v = 0; v < Local(ways.size()); ++v) {
+    if (!near[v]) continue;
     const double missing = 0.5 * room - vertices.radius_at(v, normals[v], 0.5 * room, around);
-    if (missing > 0 && is_near_such(positions[v]))
+    if (missing > 0)
       ways[v] = -std::min(missing, vertices.radius_at(v, -normals[v], room, behind)) * normals[v];
   }
   const std::vector<Vec3> asked = ways;
   even_out(ways, triangles, few_rounds);
   keep_at_least(ways, asked);
+  unfold(ways, positions, triangles);
   return ways;
 }
 
