@@ -53,7 +53,7 @@ TEST(YieldingBody, LeavesRoomBetweenLimbsAndNothingElseMoves) {
     if (std::abs(places[v][2]) < 0.08) between = std::min(between, std::abs(places[v][0]));
     if (std::abs(places[v][0]) > off) outer = std::max(outer, (places[v] - limbs.positions[v]).norm());
   }
-  EXPECT_GT(between, 0.25 * room); // of gap/2, where normals are worst
+  EXPECT_GT(between, 0.3 * room); // of gap/2, where normals are worst
   EXPECT_EQ(outer, 0);
 }
 
@@ -69,7 +69,7 @@ double most_that_yields(double angle) {
 }
 
 TEST(YieldingBody, LeavesRoomInArmpitsButNotInCreasesThatClothLiesOver) {
-  EXPECT_GT(most_that_yields(0.25 * M_PI), 0.0015);
+  EXPECT_GT(most_that_yields(0.25 * M_PI), 0.002);
   EXPECT_EQ(most_that_yields(0.55 * M_PI), 0);
 }
 
