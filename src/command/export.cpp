@@ -73,6 +73,8 @@ private:
       std::error_code none;
       for (const auto& entry : fs::directory_iterator(options_.folder / "frames", none))
         if (entry.path().extension() == ".h5") found.push_back(entry.path().filename().string());
+      if (!fs::exists(options_.folder))
+        throw InputError(fmt::format("{}: there is no such folder", options_.folder.string()));
       if (found.empty())
         throw InputError(fmt::format("{}: holds no frames in HDF5 (frames/frame_000000.h5, ...)",
                                      options_.folder.string()));

@@ -50,7 +50,7 @@ std::string describe_materials(const Case& input) {
     for (const auto& [name, panel] : input.cloths[k].panels) {
       const config::Material own = config::material_of(m, panel);
       if (own != m)
-        text += fmt::format("    {:<10}{}{:g} kg/m^2, bending {:g} N m, shear {:g} N/m\n", name,
+        text += fmt::format("    {:<10} {}{:g} kg/m^2, bending {:g} N m, shear {:g} N/m\n", name,
                             panel.fabric ? *panel.fabric + ", " : "", own.density, own.bending, own.shear);
     }
   }
@@ -59,7 +59,7 @@ std::string describe_materials(const Case& input) {
 
 std::string describe_method(const Case& input) {
   const config::Inextensibility& i = input.inextensibility;
-  return fmt::format("  lengths     kept by {}{}\n", config::words_of(i.method)[std::size_t(i.method)],
+  return fmt::format("  lengths     kept by {}{}\n", config::word_of(i.method),
                      config::holds_limit(input) ? fmt::format(", strain at most {:.3g} %", 100 * i.strain)
                                                 : "");
 }
@@ -143,10 +143,11 @@ std::string describe_cost(MPI_Comm comm, const Case& input, Simulation& simulati
   const double length = steps.choose(0, 1).dt;
   const auto count = Global(std::ceil(steps.frame_time(steps.frames()) / length - 1e-6));
   return fmt::format(
-      "  cost        {:.0f} MB; at least {} steps for {} frames, of which the first takes {:.2g} s: "
+      "  cost        {:.0f} MB of memory; at least {} steps for {} frame{}; a first step takes {:.2g} s: "
       "velocity {:.2g}, projection {:.2g}, contact {:.2g}; later ones may take several times as long\n{}",
-      memory / 1e6, count, steps.frames(), seconds, step.velocity_seconds, step.projection_seconds,
-      step.contact_seconds, input.sewing ? "              not counted: sewing comes first\n" : "");
+      memory / 1e6, count, steps.frames(), steps.frames() == 1 ? "" : "s", seconds, step.velocity_seconds,
+      step.projection_seconds, step.contact_seconds,
+      input.sewing ? "              not counted: sewing comes first\n" : "");
 }
 
 std::string describe_case(MPI_Comm comm, const CaseSource& source) {
@@ -179,13 +180,14 @@ std::string describe_case(MPI_Comm comm, const CaseSource& source) {
       "  cloth       {} vertices, {} cells, {} constrained edges of {:.4g} m on average, {:.4g} kg\n{}{}{}"
       "  starts      x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m\n"
       "  yarns       {}, of {:.1f} edges and {:.4g} m on average\n"
-      "  partition   {} ranks: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n{}",
+      "  partition   {} rank{}: {} edges cut, imbalance {:.3f}, at most {} ghosts a rank\n{}",
       source.file.string(), input.name, mesh.vertices.total, mesh.total_cells, mesh.edges.total,
       length / double(std::max<Global>(mesh.edges.total, 1)), mass, cloths, describe_materials(input),
       describe_method(input), -extent[0], extent[3], -extent[1], extent[4], -extent[2], extent[5], yarns,
       double(mesh.edges.total) / double(std::max<Global>(yarns, 1)),
-      length / double(std::max<Global>(yarns, 1)), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
-      mesh.report.ghosts_max, describe_cost(comm, input, simulation));
+      length / double(std::max<Global>(yarns, 1)), size_of(comm), size_of(comm) == 1 ? "" : "s",
+      mesh.report.edge_cut, mesh.report.imbalance, mesh.report.ghosts_max,
+      describe_cost(comm, input, simulation));
 }
 
 } // namespace

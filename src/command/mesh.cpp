@@ -86,7 +86,7 @@ std::string summary(const std::string& name, const GarmentMesh& mesh) {
   return fmt::format("{}: {} panels of {:.4f} m^2, {} seams, {} vertices, {} cells ({:.1f} % triangles)\n",
                      name, mesh.panels.size(), area, mesh.seams.size(), mesh.positions.size(),
                      mesh.cells.size(), 100 * double(triangles) / double(mesh.cells.size())) +
-         panel_table(mesh) + seam_table(mesh) + (labels.empty() ? "" : "  labels:" + labels + "\n") +
+         panel_table(mesh) + seam_table(mesh) + "  labels:" + (labels.empty() ? " none" : labels) + "\n" +
          fmt::format("  smallest angle {:.1f} degrees, in panel {} at ({:.4f}, {:.4f}) m of its plane\n",
                      in_degrees(sharpest->sharpest.angle), sharpest->name, sharpest->sharpest.place[0],
                      sharpest->sharpest.place[1]);

@@ -88,7 +88,7 @@ int partition(MPI_Comm comm, const PartitionOptions& options) {
                                       Partitioner(input.partition.method), options.ranks);
   const PartitionFigures figures =
       partition_figures(comm, cloth.mesh.slab, cloth.mesh.topology, owners, options.ranks);
-  const char* method = config::words_of(input.partition.method)[std::size_t(input.partition.method)].data();
+  const char* method = config::word_of(input.partition.method).data();
   if (!options.json.empty()) write_text_whole(comm, options.json, json(input.name, method, figures));
   if (rank_of(comm) == 0) fmt::print("{}{}", table(input.name, method, figures), verdict(figures));
   return success;

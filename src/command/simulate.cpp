@@ -43,7 +43,7 @@ void tell_of_bodies(MPI_Comm comm, const Case& input, const Obstacles& obstacles
     if (body.yielding > 0)
       fmt::print(
           "{}: {} of its vertices give way by up to {:.3g} mm, so that {:.3g} mm are left between parts "
-          "of it\n",
+          "of it (obstacles[].room)\n",
           body.name, body.yielding, 1000 * body.yields, 1000 * *input.obstacles[k].room);
   }
 }
@@ -55,11 +55,13 @@ void report_success(MPI_Comm comm, const Case& input, const Simulation& simulati
   const std::string limit = simulation.strain_limit()
                                 ? fmt::format("the limit is {:.3g} %", 100 * *simulation.strain_limit())
                                 : "no limit is kept";
-  fmt::print("{}: {:.6g} s in {} steps ({} rejected), {} on the clock; strain at most {:.3g} %, {}{}\n"
+  fmt::print("{}: {:.6g} s in {} steps ({} rejected), {} on the clock; strain at most {:.3g} %, {}{}{}\n"
              "{}: what it holds: taut info {}; a picture: scripts/render {}\n",
              input.name, simulation.state().time, totals.steps, simulation.rejected_steps(),
              in_words(totals.seconds), 100 * totals.strain_max, limit,
-             input.has_contact() ? "; no intersections found" : "", input.name, out.string(), out.string());
+             input.has_contact() ? "; no intersections found" : "",
+             input.time.until_rest && !has_arrived(input, simulation) ? "; it has not come to rest" : "",
+             input.name, out.string(), out.string());
 }
 
 void report_failure(MPI_Comm comm, const Outcome& outcome, const fs::path& run) {
@@ -125,12 +127,12 @@ void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, co
   if (rank_of(comm) != 0) return;
   std::vector<std::string> files;
   for (const char* file : files_of(input.output.formats)) files.push_back((out / file).string());
-  fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, on {} ranks ({} edges cut, "
-             "imbalance {:.3f})\n"
+  fmt::print("{}: {} vertices, {} constrained edges, {} pinned, {} frames, by {}, on {} ranks ({} edges "
+             "cut, imbalance {:.3f})\n"
              "writing {}\n",
              input.name, mesh.vertices.total, mesh.edges.total, simulation.pins().count(),
-             simulation.step_size().frames(), size_of(comm), mesh.report.edge_cut, mesh.report.imbalance,
-             fmt::join(files, ", "));
+             simulation.step_size().frames(), config::word_of(input.inextensibility.method), size_of(comm),
+             mesh.report.edge_cut, mesh.report.imbalance, fmt::join(files, ", "));
   std::fflush(stdout);
 }
 

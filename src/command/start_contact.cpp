@@ -77,8 +77,8 @@ bool relax_start(Simulation& simulation, const Case& input) {
   const Relaxed relaxed = relax(simulation, input);
   const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
   if (relaxed.steps > 0 && relaxed.succeeded() && speaks)
-    fmt::print("{}: the start was strained by {:.3g} times its limit, and was relaxed in {} steps\n",
-               input.name, relaxed.strain_before, relaxed.steps);
+    fmt::print("{}: the start was strained by {:.3g} times its limit; {} step{} relaxed it\n", input.name,
+               relaxed.strain_before, relaxed.steps, relaxed.steps == 1 ? "" : "s");
   if (!relaxed.succeeded() && speaks)
     fmt::print(
         stderr,

@@ -90,6 +90,22 @@ void add_density(const Simulation&, const Case& input, Warnings& warnings) {
   }
 }
 
+/// Millionths of a newton metre taken for newton metres.
+void add_bending(const Simulation&, const Case& input, Warnings& warnings) {
+  constexpr double stiffest = 1e-2; // N m
+  const auto check = [&](std::size_t k, const std::string& key, std::optional<double> bending) {
+    if (!input.cloths[k].line && bending && *bending > stiffest)
+      warnings.push_back(fmt::format("{}.{}material.bending: no fabric is as stiff as {:.3g} N m; most are "
+                                     "between 1e-6 and 1e-4; uN m is a unit too",
+                                     config::key_of_cloth(input, k), key, *bending));
+  };
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    check(k, "", input.cloths[k].material.bending);
+    for (const auto& [name, panel] : input.cloths[k].panels)
+      check(k, fmt::format("panels.{}.", name), panel.material.bending);
+  }
+}
+
 void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
   if (const auto jump = simulation.pins().find_jump(simulation.cloth(), simulation.state()))
     warnings.push_back(fmt::format("{}: it jumps there in the first step; let `motion` begin where the cloth "
@@ -139,8 +155,8 @@ void add_inside(const Simulation& simulation, const Case& input, Warnings& warni
 
 void warn_of_start(const Simulation& simulation, const Case& input) {
   Warnings warnings;
-  for (const auto add :
-       {add_patterns, add_seams, add_locking, add_expense, add_scale, add_density, add_pins, add_inside})
+  for (const auto add : {add_patterns, add_seams, add_locking, add_expense, add_scale, add_density,
+                         add_bending, add_pins, add_inside})
     add(simulation, input, warnings);
   if (rank_of(simulation.cloth().mesh.comm) != 0) return;
   for (const std::string& words : warnings)

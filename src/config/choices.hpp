@@ -71,4 +71,9 @@ constexpr std::array<std::string_view, 8> words_of(Field) {
 constexpr std::array<std::string_view, 2> words_of(FrameFormat) { return {"xdmf", "pc2"}; }
 constexpr std::array<std::string_view, 2> words_of(UpAxis) { return {"y", "z"}; }
 
+template<class Choice>
+constexpr std::string_view word_of(Choice choice) {
+  return words_of(choice)[std::size_t(choice)];
+}
+
 } // namespace taut::config

@@ -86,11 +86,13 @@ void check_sewing(V& v, const Case& c) {
   v.check("pins",
           !c.sewing ||
               std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
-          "must name what they hold by label where there is sewing, which numbers and moves vertices anew");
+          "must name what they hold by label where there is sewing, which numbers and moves vertices anew; "
+          "in the pattern `label` of a panel or edge gives one, `points` one at a place");
   v.check("attachments",
           !c.sewing || std::all_of(c.attachments.begin(), c.attachments.end(),
                                    [](const Attachment& a) { return a.label.has_value(); }),
-          "must name what they hold by label where there is sewing, which numbers vertices anew");
+          "must name what they hold by label where there is sewing, which numbers vertices anew; in the "
+          "pattern `label` of a panel or edge gives one, `points` one at a place");
 }
 
 template<class V>

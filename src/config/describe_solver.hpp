@@ -78,8 +78,7 @@ void describe(V& v, Is<Springs> auto& s) {
 template<class V>
 void check_use(V& v, std::string_view name, bool left_alone, bool used, InextensibilityMethod method) {
   v.check(name, left_alone || used,
-          fmt::format("method {} does not use it; remove it, or choose another method",
-                      words_of(method)[std::size_t(method)]));
+          fmt::format("method {} does not use it; remove it, or choose another method", word_of(method)));
 }
 
 template<class V>

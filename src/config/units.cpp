@@ -91,4 +91,11 @@ const Scale* find_scale(Unit unit, std::string_view symbol) {
   return found == scales.end() ? nullptr : &*found;
 }
 
+std::vector<std::string_view> symbols_of(Unit unit) {
+  std::vector<std::string_view> symbols;
+  for (const Scale& s : scales)
+    if (s.unit == unit) symbols.push_back(s.symbol);
+  return symbols;
+}
+
 } // namespace taut::config

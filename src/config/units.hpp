@@ -1,5 +1,6 @@
 #pragma once
 #include <string_view>
+#include <vector>
 
 /// Units of the case file. A quantity is a plain number in its SI unit, or a text such as "10 ms".
 namespace taut::config {
@@ -49,5 +50,8 @@ struct Scale {
 
 /// The scale called `symbol` for quantities in `unit`; nullptr if there is none.
 const Scale* find_scale(Unit unit, std::string_view symbol);
+
+/// Those of all its scales.
+std::vector<std::string_view> symbols_of(Unit unit);
 
 } // namespace taut::config

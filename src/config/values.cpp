@@ -54,8 +54,9 @@ double in_si(const Spot& spot, double number, std::string_view symbol) {
   }
   if (const Scale* scale = find_scale(spot.key.unit, symbol)) return number * scale->times / scale->over;
   const UnitName& unit = name_of(spot.key.unit);
-  spot.fail(fmt::format("'{}' is not a unit of {}; write {} as a number, or e.g. '{}'", symbol, unit.quantity,
-                        unit.plural, unit.example));
+  spot.fail(fmt::format("'{}' is not a unit of {}; write {} as a number, or e.g. '{}' (units: {})", symbol,
+                        unit.quantity, unit.plural, unit.example,
+                        fmt::join(symbols_of(spot.key.unit), ", ")));
 }
 
 template<std::integral Whole>

@@ -22,7 +22,7 @@ std::string text_of(const std::filesystem::path& value) { return value.string();
 
 template<class Choice>
 std::string text_of(Choice value) requires std::is_enum_v<Choice> {
-  return std::string(words_of(value)[static_cast<std::size_t>(value)]);
+  return std::string(word_of(value));
 }
 
 template<class T>

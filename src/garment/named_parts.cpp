@@ -121,8 +121,10 @@ std::string no_such_label(const Labels& labels, const std::string& label) {
   const auto meant = config::nearest(label, names);
   return fmt::format("no edge and no panel has the label '{}'{}; {}", label,
                      meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
-                     names.empty() ? "the cloth has none"
-                                   : fmt::format("there are {}", fmt::join(names, ", ")));
+                     names.empty()
+                         ? "the cloth has none; `label` of a panel or edge gives one in the pattern, "
+                           "`points` one at a place of it"
+                         : fmt::format("there are {}", fmt::join(names, ", ")));
 }
 
 void to_json(Json& json, const NamedSeam& s) { json = {s.name, s.vertices}; }

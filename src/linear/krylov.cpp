@@ -123,8 +123,9 @@ void LinearSolver::verify(Vec rhs, Vec solution) {
   verified_ = true;
   if (left <= most_left * whole) return;
   throw InputError(
-      fmt::format("the options -{}...: a solve left {:.3g} of its right-hand side, measured anew, "
-                  "and called that converged; choose a method that solves",
+      fmt::format("the linear system of -{}...: a solve left {:.3g} of its right-hand side, measured anew, "
+                  "and called that converged; choose other options if there are any; without, equations "
+                  "contradict each other or repeat: a straight thread held at both ends needs a compliance",
                   name_, left / whole));
 }
 

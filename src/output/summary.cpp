@@ -15,7 +15,7 @@ namespace {
 constexpr int bins = 1000;
 
 const char* method_name(config::InextensibilityMethod method) {
-  return config::words_of(method)[std::size_t(method)].data();
+  return config::word_of(method).data();
 }
 
 /// The histogram under another limit: each bin goes where its upper end lies.
@@ -153,7 +153,7 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
        {{"limit", simulation_.strain_limit() ? Json(*simulation_.strain_limit()) : Json()},
         {"max", all.strain_max},
         {"rms", std::sqrt(a_step(all.strain_squares))},
-        {"of", config::words_of(*limits.constrain)[std::size_t(*limits.constrain)]},
+        {"of", config::word_of(*limits.constrain)},
         {"edges_max", all.edge_strain_max},
         {"averages_max", all.average_strain_max},
         {"faces_limit", simulation_.faces_limit() ? Json(*simulation_.faces_limit()) : Json()},

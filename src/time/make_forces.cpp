@@ -86,7 +86,7 @@ Folds folds_where(const Cloth& cloth, Has&& has) {
 void check_bending(const Case& input, const Cloth& cloth, std::size_t k) {
   const Material& material = cloth.pieces[k].material;
   const BendingModel model = bending_model_of(material);
-  const std::string name(config::words_of(model)[std::size_t(model)]);
+  const std::string name(config::word_of(model));
   if (model == BendingModel::yarn && has_cells_of(cloth, k, 3))
     refuse(input, k, "bending_model",
            "yarn cannot serve this mesh: its triangles have no yarns; use isometric, discrete_shells or "

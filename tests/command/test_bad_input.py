@@ -105,7 +105,7 @@ MISTAKES = [
     added("wrong_type", "gravity: down",
           "taut: case.yaml:5:10: gravity: expected a list of 3 numbers, e.g. [0, 0, 1], found 'down'"),
     added("wrong_unit", "air: {wind: [1 kg, 0, 0]}", "taut: case.yaml:5:14: air.wind.0: 'kg' is not a unit of speed; "
-          "write metres per second as a number, or e.g. '20 km/h'"),
+          "write metres per second as a number, or e.g. '20 km/h' (units: m/s, cm/s, mm/s, km/h)"),
     added("out_of_range", "inextensibility: {strain: 0}",
           "taut: case.yaml:5:27: inextensibility.strain: 0 is out of range; it must be above 0 and below 1"),
     added("unknown_key", "gravty: [0, 0, 0]", "taut: case.yaml:5:1: unknown key 'gravty' (did you mean 'gravity'?)"),
@@ -530,7 +530,7 @@ class PetscOptions(Folder):
                         ("-velocity_ksp_atol", "1e10")):
             code, stderr = self.run_case("--", *options)
             self.assertEqual(code, 2, stderr)
-            self.assertRegex(stderr, r"^taut: the options -(velocity|projection)_...: a solve left \S+ of its "
+            self.assertRegex(stderr, r"^taut: the linear system of -(velocity|projection)_...: a solve left \S+ of its "
                              "right-hand side, measured anew, and called that converged")
 
     def test_methods_that_do_not_go_together(self):

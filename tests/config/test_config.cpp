@@ -362,12 +362,14 @@ TEST(ConfigError, UnknownKey) {
 }
 
 TEST(ConfigError, WrongUnit) {
-  EXPECT_EQ(
-      error_after_cloth("time: {max_step: 5 mm}"),
-      at("2:18", "time.max_step: 'mm' is not a unit of time; write seconds as a number, or e.g. '10 ms'"));
+  EXPECT_EQ(error_after_cloth("time: {max_step: 5 mm}"),
+            at("2:18",
+               "time.max_step: 'mm' is not a unit of time; write seconds as a number, or e.g. '10 ms' "
+               "(units: s, ms, us, min)"));
   EXPECT_EQ(
       error_after_cloth("velocity: {tolerance: 1 s}"),
-      at("2:23", "velocity.tolerance: 's' is not a unit of a ratio; write it as a number, or e.g. '1 %'"));
+      at("2:23",
+         "velocity.tolerance: 's' is not a unit of a ratio; write it as a number, or e.g. '1 %' (units: %)"));
 }
 
 TEST(ConfigError, WrongType) {
@@ -631,7 +633,7 @@ TEST(ConfigOverride, Errors) {
   EXPECT_EQ(
       error(grid, {{"time.max_step", "5 mm"}}),
       "--set time.max_step=5 mm: time.max_step: 'mm' is not a unit of time; write seconds as a number, or "
-      "e.g. '10 ms'");
+      "e.g. '10 ms' (units: s, ms, us, min)");
   EXPECT_EQ(error(grid, {{"time.end", "[1"}}),
             "--set time.end=[1: not YAML: end of sequence flow not found; check "
             "indentation, colons, brackets and quotes here");
