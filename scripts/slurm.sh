@@ -21,14 +21,16 @@
 # USR1 reaches every rank two minutes before the end: a checkpoint is written, the exit code is 4.
 set -euo pipefail
 
-[ $# -gt 0 ] || {
+[ $# -gt 0 ] && [ "$1" != --help ] || {
   echo "usage: sbatch [--nodes=N] scripts/slurm.sh CASE --out FOLDER [options of taut run]
 It needs sbatch and srun of Slurm, a folder that all nodes see, and build/taut in the folder where sbatch is called
-(TAUT names another program). A run that the folder holds already goes on." >&2
+or on the PATH (TAUT names another program, TAUT_LAUNCH what starts it in place of srun). A run that the folder holds
+already goes on." >&2
   exit 2
 }
 # module load ...                      # what the site calls its MPI, PETSc and HDF5: those Taut was built with
 taut=${TAUT:-${SLURM_SUBMIT_DIR:-.}/build/taut}
+[ -x "$taut" ] || [ "${TAUT:-}" ] || taut=$(command -v taut || echo "$taut")
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 HDF5_USE_FILE_LOCKING=FALSE # locks fail on some parallel file systems
 launch=(${TAUT_LAUNCH:-srun --cpu-bind=cores})
 

@@ -29,7 +29,7 @@ constexpr std::array examples{
         "run",
         "mpirun -n 8 taut run case.yaml --out out/fine     more ranks than cores: mpirun --oversubscribe"},
     Example{"run",
-            "taut run case.yaml --set 'cloth.grid.vertices=[281, 281]' --set 'pins[0].vertices=[0, 280]'"},
+            "taut run case.yaml --set 'cloth.grid.vertices=[281, 281]' --set 'pins[0].near=[[0, 0, 0], [1, 0, 0]]'"},
     Example{"run", "taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor"},
     Example{"resume", "mpirun -n 3 taut resume out/fine                  go on from the last checkpoint"},
     Example{"resume", "taut resume out/drape --set time.end=5            the same with other settings"},
@@ -96,6 +96,14 @@ std::string refuse_option(const std::string& value) {
   return value.starts_with("--") ? fmt::format("its value is missing before {}", value) : "";
 }
 
+/// What nothing here knows, in the order given.
+void tell_of_extras(const std::vector<std::string>& extras) {
+  const bool ranks = std::find(extras.begin(), extras.end(), "--ranks") != extras.end();
+  fmt::print(stderr, "taut: {}: not known here; {}\n", fmt::join(extras, " "),
+             ranks ? "ranks are what mpirun starts: mpirun -n 4 taut ..., of which taut info tells too"
+                   : "taut COMMAND --help lists what is");
+}
+
 class CommandLine {
 public:
   CommandLine() : app_("Taut - cloth that does not stretch, on many ranks", "taut") {
@@ -151,6 +159,9 @@ public:
     check_dashes(arguments);
     try {
       app_.parse(int(arguments.own.size()), arguments.own.data());
+    } catch (const CLI::ExtrasError&) {
+      if (rank_of(comm) == 0) tell_of_extras(app_.remaining(true));
+      return input_error;
     } catch (const CLI::ParseError& e) {
       const int code = rank_of(comm) == 0 ? app_.exit(e) : e.get_exit_code();
       return code == 0 ? success : input_error;

@@ -7,7 +7,6 @@ def drape(vertices, end, step, **inextensibility):
     """cases/drape on vertices x vertices."""
     case = read_case(find_case("drape"))
     case["cloth"]["grid"]["vertices"] = [vertices, vertices]
-    case["pins"][1]["vertices"] = [vertices - 1]
     case["time"] = {"end": end, "frame_rate": 20, "max_step": step}
     case["inextensibility"] = inextensibility
     return case

@@ -12,8 +12,19 @@ def read_case(path):
     return yaml.safe_load(Path(path).read_text())
 
 
+def plain(value):
+    """Numbers and arrays of numpy as JSON has them."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"a case holds no {type(value).__name__}")
+
+
 def write_case(path, case):
     """The path, of what may be given to `taut run`."""
+    if not isinstance(case, dict):
+        raise TypeError("a case is a dict of its keys, e.g. {**run.case, \"gravity\": [0, 0, -1.6]}")
     path = Path(path)
-    path.write_text(json.dumps(case, indent=1) + "\n")  # JSON is YAML
+    path.write_text(json.dumps(case, indent=1, default=plain) + "\n")  # JSON is YAML
     return path

@@ -2,14 +2,19 @@
 import csv
 import json
 import math
+import sys
 import zlib
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-import h5py
-import numpy as np
+try:
+    import h5py
+    import numpy as np
+except ModuleNotFoundError as error:
+    raise ImportError(f"taut reads its files with h5py and numpy, and {sys.executable} has no {error.name}: pip install "
+                      "h5py numpy pyyaml, or use Debian's /usr/bin/python3 with python3-h5py and python3-yaml") from None
 
 from taut.case import read_case
 
@@ -42,6 +47,8 @@ class Datasets:
 
     def __getitem__(self, name):
         with self.open() as file:
+            if name not in file:
+                raise KeyError(f"{self.path} has no {name}; there are {', '.join(self.fields)}")
             return file[name][()]
 
     def __contains__(self, name):
@@ -103,6 +110,13 @@ class Frame(Datasets):
         return self["velocities"]
 
 
+class Columns(dict):
+    """{name: values}; one that is not there is told with those that are."""
+
+    def __missing__(self, name):
+        raise KeyError(f"there is no column {name}; there are {', '.join(self)}")
+
+
 class Run:
     """What a run left in its folder; one that was killed has no summary, or that of an earlier part of it."""
 
@@ -128,6 +142,8 @@ class Run:
     @cached_property
     def frames(self):
         """In the order of time."""
+        if not self.folder.is_dir():
+            raise RunError(f"{self.folder}: no such folder; give the output folder of a run")
         return [Frame(path) for path in sorted((self.folder / "frames").glob("frame_*.h5"))]
 
     @cached_property
@@ -145,7 +161,7 @@ class Run:
         path = self.folder / "steps.csv"
         names, rows = self.read_steps()
         try:
-            return {name: np.array([float(row[name] or math.nan) for row in rows]) for name in names}
+            return Columns({name: np.array([float(row[name] or math.nan) for row in rows]) for name in names})
         except ValueError as error:
             raise RunError(f"{path}: {error}") from None
 
