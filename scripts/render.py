@@ -87,7 +87,7 @@ def main():
         scene.save_state("run.pvsm")
         print(f"{folder}/run.pvsm: open it with  cd {folder} && paraview run.pvsm")
     if options.output or not many:
-        scene.draw(scene.times[moment_of(scene.times, options)], picture)
+        scene.draw(scene.times[moment_of(scene.times, options) if many else 0], picture)
         print(picture)
 
 

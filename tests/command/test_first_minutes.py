@@ -33,6 +33,13 @@ class FirstMinutes(running.Folder):
         self.assertIn("no limit is kept", out)
         out, _ = self.said("run", "case.yaml", "--out", "met", "--set", "contact={}", *SHORT)
         self.assertIn("no intersections found", out)
+        out, _ = self.said("run", "case.yaml", "--out", "swings", "--set", "time.until_rest=1 mm/s", *SHORT)
+        self.assertIn("; it has not come to rest", out)
+
+    def test_ranks_are_those_of_mpirun(self):
+        code, _, err = self.taut("run", "case.yaml", "--ranks", "4")
+        self.assertEqual((code, err), (2, "taut: --ranks 4: not known here; ranks are what mpirun starts: mpirun -n 4 "
+                                          "taut ..., of which taut info tells too\n"))
 
     def test_info_names_material_and_cost_of_contact(self):
         self.said("run", "case.yaml", "--out", "result", "--set", "contact={}", "--set", "cloth.fabric=denim", *SHORT)

@@ -54,6 +54,16 @@ class Package(running.Folder):
         with self.assertRaisesRegex(RunError, "steps.csv: no such file; give the output folder of a run"):
             print(run.steps)
 
+    def test_what_is_not_there_is_told_with_what_is(self):
+        run = Run(self.run_case("result"))
+        for ask, words in ((lambda: run.steps["depth"], "there is no column depth; there are step, time_s"),
+                           (lambda: run.frames[0]["tensions"], "has no tensions; there are ")):
+            with self.assertRaises(KeyError) as caught:
+                ask()
+            self.assertIn(words, str(caught.exception))
+        with self.assertRaisesRegex(RunError, "nope: no such folder"):
+            print(Run(self.folder / "nope").frames)
+
     def test_words_that_start_the_program(self):
         self.assertEqual(launch.command("taut", "info", 1), ["taut", "info", "1"])
         self.assertEqual(launch.command("taut", "info", ranks=3), [*launch.LAUNCHER, "-n", "3", "taut", "info"])
