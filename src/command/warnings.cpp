@@ -2,7 +2,9 @@
 
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
+#include "src/contact/clearance.hpp"
 #include "src/contact/closest.hpp"
+#include "src/contact/thickness.hpp"
 #include "src/state/resolve.hpp"
 
 #include <fmt/format.h>
@@ -113,6 +115,26 @@ void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
                                    *jump));
 }
 
+/// Contact pushes it out to its thickness in the first step, and so throws it off.
+void add_touching(const Simulation& simulation, const Case& input, Warnings& warnings) {
+  constexpr double much = 0.9; // of the thickness
+  const Cloth& cloth = simulation.cloth();
+  if (input.sewing || !input.has_contact() || simulation.obstacles().bodies() == 0) return;
+  const double thickness = Thickness(cloth, input).smallest();
+  const std::span<const Vec3> owned =
+      std::span(simulation.state().positions).first(std::size_t(cloth.mesh.vertices.owned));
+  double nearest = HUGE_VAL;
+  for (const double distance : Clearance(simulation.obstacles()).measure(owned, simulation.state().time))
+    nearest = std::min(nearest, distance);
+  nearest = -max_over(cloth.mesh.comm, -nearest);
+  if (nearest >= 0 && nearest < much * thickness) // what is inside is untangled, or refused
+    warnings.push_back(
+        fmt::format("the cloth starts {:.3g} mm from an obstacle, nearer than its thickness of "
+                    "{:.3g} mm, and is pushed away in the first step; move `start`, or lessen "
+                    "contact.thickness",
+                    1000 * nearest, 1000 * thickness));
+}
+
 /// By how often a ray meets the surface of a closed body.
 bool is_inside(const Obstacles& obstacles, int body, const Vec3& point) {
   constexpr double beyond = 1e10;                                      // m, of what any body reaches
@@ -156,7 +178,7 @@ void add_inside(const Simulation& simulation, const Case& input, Warnings& warni
 void warn_of_start(const Simulation& simulation, const Case& input) {
   Warnings warnings;
   for (const auto add : {add_patterns, add_seams, add_locking, add_expense, add_scale, add_density,
-                         add_bending, add_pins, add_inside})
+                         add_bending, add_pins, add_touching, add_inside})
     add(simulation, input, warnings);
   if (rank_of(simulation.cloth().mesh.comm) != 0) return;
   for (const std::string& words : warnings)

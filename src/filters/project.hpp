@@ -31,8 +31,8 @@ public:
 class Projector {
 public:
   /// `masses`: kg, of local vertices, above 0 or `held`; ghosts are not read. The rest lengths are those of
-  /// `mesh.rest_positions`; constrained are the edges of `mesh.edges`. Keeps a copy of the mesh. Throws
-  /// InputError for masses and options out of range. Collective.
+  /// `mesh.rest_positions`; constrained are the edges of `mesh.edge_vertices`. Keeps a copy of the mesh.
+  /// Throws InputError for masses and options out of range. Collective.
   Projector(const DistributedMesh& mesh, std::span<const double> masses, const ProjectOptions& options);
   Projector(const Projector&) = delete;
   Projector& operator=(const Projector&) = delete;
