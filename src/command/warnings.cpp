@@ -119,7 +119,8 @@ void add_pins(const Simulation& simulation, const Case&, Warnings& warnings) {
 void add_touching(const Simulation& simulation, const Case& input, Warnings& warnings) {
   constexpr double much = 0.9; // of the thickness
   const Cloth& cloth = simulation.cloth();
-  if (input.sewing || !input.has_contact() || simulation.obstacles().bodies() == 0) return;
+  const bool untangles = input.contact && input.contact->start == config::StartContact::untangle;
+  if (input.sewing || untangles || !input.has_contact() || simulation.obstacles().bodies() == 0) return;
   const double thickness = Thickness(cloth, input).smallest();
   const std::span<const Vec3> owned =
       std::span(simulation.state().positions).first(std::size_t(cloth.mesh.vertices.owned));
@@ -127,7 +128,7 @@ void add_touching(const Simulation& simulation, const Case& input, Warnings& war
   for (const double distance : Clearance(simulation.obstacles()).measure(owned, simulation.state().time))
     nearest = std::min(nearest, distance);
   nearest = -max_over(cloth.mesh.comm, -nearest);
-  if (nearest >= 0 && nearest < much * thickness) // what is inside is untangled, or refused
+  if (nearest >= 0 && nearest < much * thickness) // what is inside is refused
     warnings.push_back(
         fmt::format("the cloth starts {:.3g} mm from an obstacle, nearer than its thickness of "
                     "{:.3g} mm, and is pushed away in the first step; move `start`, or lessen "

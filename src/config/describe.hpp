@@ -128,10 +128,6 @@ void describe(V& v, Is<Case> auto& c) {
          "on the command line is added"});
   check_names(v, c);
   check_sewing(v, c);
-  v.check("velocity",
-          c.velocity == Velocity{} || c.inextensibility.method != InextensibilityMethod::newton || c.sewing,
-          "method newton solves for velocities and tension at once; remove it, or choose "
-          "inextensibility.method: fast_projection");
   v.check(
       "time",
       c.time.integrator == Integrator::implicit_euler ||

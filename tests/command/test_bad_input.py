@@ -320,7 +320,7 @@ MISTAKES = [
            "taut: --set cloth.material.density=1e-12: cloth.material.density: 1e-12 is out of range; it must be at "
            "least 1e-06"),
     option("option_unknown", "--nonsense",
-           "The following argument was not expected: --nonsense\nRun with --help for more information."),
+           "taut: --nonsense: not known here; taut COMMAND --help lists what is"),
     command("no_command", "", "A subcommand is required\nRun with --help for more information."),
     command("unknown_command", "frobnicate case.yaml",
             "taut: there is no command 'frobnicate'; commands are run, resume, check, info, partition, mesh, "
@@ -443,10 +443,11 @@ class Check(Folder):
 
     SEVERAL = ("--set", "cloth.material.density=200", "--set", "cloth.material.bending=30", "--set", "cloth.start.translate=[0, 0, 0.5]", "--set",
                "pins=[{vertices: [0], motion: [{time: 0, translate: [0, 0, 0.01]}]}]", "--set",
-               "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}]")
+               "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}, {plane: {point: [0, 0, 0.5], normal: [0, 0, 1]}}]")
     WARNINGS = ("cloth.material.density: no fabric weighs 200 kg/m^2",
                 "cloth.material.bending: no fabric is as stiff as 30 N m",
                 "pins.0: at 0 s vertex 0 is 0.01 m away from where its pin has it: it jumps there in the first step",
+                "the cloth starts 0 mm from an obstacle, nearer than its thickness of ",
                 "cloth starts inside obstacles.0 (box), a closed body, and will stay there")
 
     def test_warnings(self):

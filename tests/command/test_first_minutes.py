@@ -39,7 +39,7 @@ class FirstMinutes(running.Folder):
     def test_ranks_are_those_of_mpirun(self):
         code, _, err = self.taut("run", "case.yaml", "--ranks", "4")
         self.assertEqual((code, err), (2, "taut: --ranks 4: not known here; ranks are what mpirun starts: mpirun -n 4 "
-                                          "taut ..., of which taut info tells too\n"))
+                                          "taut ..., of which taut info tells too"))
 
     def test_info_names_material_and_cost_of_contact(self):
         self.said("run", "case.yaml", "--out", "result", "--set", "contact={}", "--set", "cloth.fabric=denim", *SHORT)
