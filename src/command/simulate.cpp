@@ -51,6 +51,7 @@ void tell_of_bodies(MPI_Comm comm, const Case& input, const Obstacles& obstacles
 /// What came out, and where it is.
 void report_success(MPI_Comm comm, const Case& input, const Simulation& simulation, const Totals& totals,
                     const fs::path& out) {
+  const bool moves = input.time.until_rest && !has_arrived(input, simulation); // collective
   if (rank_of(comm) != 0) return;
   const std::string limit = simulation.strain_limit()
                                 ? fmt::format("the limit is {:.3g} %", 100 * *simulation.strain_limit())
@@ -59,8 +60,7 @@ void report_success(MPI_Comm comm, const Case& input, const Simulation& simulati
              "{}: what it holds: taut info {}; a picture: scripts/render {}\n",
              input.name, simulation.state().time, totals.steps, simulation.rejected_steps(),
              in_words(totals.seconds), 100 * totals.strain_max, limit,
-             input.has_contact() ? "; no intersections found" : "",
-             input.time.until_rest && !has_arrived(input, simulation) ? "; it has not come to rest" : "",
+             input.has_contact() ? "; no intersections found" : "", moves ? "; it has not come to rest" : "",
              input.name, out.string(), out.string());
 }
 
