@@ -28,8 +28,8 @@ constexpr std::array examples{
     Example{
         "run",
         "mpirun -n 8 taut run case.yaml --out out/fine     more ranks than cores: mpirun --oversubscribe"},
-    Example{"run",
-            "taut run case.yaml --set 'cloth.grid.vertices=[281, 281]' --set 'pins[0].near=[[0, 0, 0], [1, 0, 0]]'"},
+    Example{"run", "taut run case.yaml --set 'cloth.grid.vertices=[281, 281]' --set 'pins[0].near=[[0, 0, "
+                   "0], [1, 0, 0]]'"},
     Example{"run", "taut run case.yaml --set velocity.solver=mumps -- -projection_ksp_monitor"},
     Example{"resume", "mpirun -n 3 taut resume out/fine                  go on from the last checkpoint"},
     Example{"resume", "taut resume out/drape --set time.end=5            the same with other settings"},

@@ -13,8 +13,9 @@ try:
     import h5py
     import numpy as np
 except ModuleNotFoundError as error:
-    raise ImportError(f"taut reads its files with h5py and numpy, and {sys.executable} has no {error.name}: pip install "
-                      "h5py numpy pyyaml, or use Debian's /usr/bin/python3 with python3-h5py and python3-yaml") from None
+    raise ImportError(f"taut reads its files with h5py and numpy, and {sys.executable} has no {error.name}: pip "
+                      "install h5py numpy pyyaml, or use Debian's /usr/bin/python3 with python3-h5py and "
+                      "python3-yaml") from None
 
 from taut.case import read_case
 

@@ -14,9 +14,7 @@ namespace {
 
 constexpr int bins = 1000;
 
-const char* method_name(config::InextensibilityMethod method) {
-  return config::word_of(method).data();
-}
+const char* method_name(config::InextensibilityMethod method) { return config::word_of(method).data(); }
 
 /// The histogram under another limit: each bin goes where its upper end lies.
 std::vector<double> rescaled(const std::vector<double>& histogram, double factor) {

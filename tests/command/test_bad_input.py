@@ -441,9 +441,11 @@ class Output(Folder):
 class Check(Folder):
     """`taut check` is as strict as `taut run`, and both warn of the same."""
 
-    SEVERAL = ("--set", "cloth.material.density=200", "--set", "cloth.material.bending=30", "--set", "cloth.start.translate=[0, 0, 0.5]", "--set",
-               "pins=[{vertices: [0], motion: [{time: 0, translate: [0, 0, 0.01]}]}]", "--set",
-               "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}, {plane: {point: [0, 0, 0.5], normal: [0, 0, 1]}}]")
+    SEVERAL = ("--set", "cloth.material.density=200", "--set", "cloth.material.bending=30",
+               "--set", "cloth.start.translate=[0, 0, 0.5]",
+               "--set", "pins=[{vertices: [0], motion: [{time: 0, translate: [0, 0, 0.01]}]}]",
+               "--set", "obstacles=[{box: {min: [-9, -9, -9], max: [9, 9, 9]}}, "
+                        "{plane: {point: [0, 0, 0.5], normal: [0, 0, 1]}}]")
     WARNINGS = ("cloth.material.density: no fabric weighs 200 kg/m^2",
                 "cloth.material.bending: no fabric is as stiff as 30 N m",
                 "pins.0: at 0 s vertex 0 is 0.01 m away from where its pin has it: it jumps there in the first step",

@@ -53,8 +53,8 @@ class FirstMinutes(running.Folder):
     def test_info_tells_what_a_case_will_cost(self):
         out, _ = self.said("info", "case.yaml", "--set", "cloth.grid.vertices=[9, 9]", "--set", "contact={}", *SHORT)
         self.assertIn(" 81 vertices, 64 cells, 144 constrained edges ", out)
-        self.assertRegex(out, r"\n  cost        \d+ MB of memory; at least [1-9]\d* steps for 1 frame; a first step takes "
-                              r"\S+ s: velocity \S+, projection \S+, contact \S+; later ones may")
+        self.assertRegex(out, r"\n  cost        \d+ MB of memory; at least [1-9]\d* steps for 1 frame; a first "
+                              r"step takes \S+ s: velocity \S+, projection \S+, contact \S+; later ones may")
 
     def test_untangling_tells_how_far_it_is(self):
         box = "obstacles=[{box: {min: [0.3, 0.3, -0.2], max: [0.7, 0.7, 0]}, " \
