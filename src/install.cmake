@@ -3,6 +3,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+# Of these rooms the library takes some files alone: others of them need rooms that it goes without.
+set_target_properties(taut_state taut_forces taut_filters PROPERTIES UNITY_BUILD OFF)
 add_library(taut_projection STATIC)
 foreach(room partition state linear forces constraints newton filters)
   target_sources(taut_projection PRIVATE $<TARGET_OBJECTS:taut_${room}>)
