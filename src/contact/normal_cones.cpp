@@ -8,7 +8,7 @@ namespace taut {
 
 namespace {
 
-constexpr double rounding = 1e-6; ///< of the sine of an angle
+constexpr double aslant = 0.02; ///< sine of an angle: see the header
 
 } // namespace
 
@@ -41,7 +41,7 @@ bool NormalCones::holds(const Pair& pair, const Approach& here, std::span<const 
   const Vec3 outwards = sum < 0 ? here.normal : Vec3(-here.normal);
   const auto leads_outwards = [&](Local v) {
     const Vec3 inwards = field[first + v] - place;
-    return outwards.dot(inwards) > rounding * inwards.norm();
+    return outwards.dot(inwards) > aslant * inwards.norm();
   };
   if (nearest.size() == 1) return std::ranges::none_of(neighbours_[nearest[0]], leads_outwards);
   const auto corners = opposite_.find({std::min(nearest[0], nearest[1]), std::max(nearest[0], nearest[1])});

@@ -102,22 +102,26 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
     if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
   });
   rows_.make(1);
-  if (!is_kept(strain, report)) iterate(start, dt, freedom, candidate, report);
+  if (!is_kept(strain, candidate, report)) iterate(start, dt, freedom, candidate, report);
   return report;
 }
 
-/// Whether no contact is in reach of a target that strains so much, and nothing left to correct. Fast
-/// Projection, which projects at least once, would leave an equilibrium of all equations what its own metric
-/// makes of it.
+/// Whether nothing is left to correct of a candidate that strains so much. A projection would leave an
+/// equilibrium of all equations what its own metric makes of it.
 template<ConstraintSet Set>
-bool ContactProjection<Set>::is_kept(double strain, FilterReport& report) {
-  if (rows_.count() > 0 || !(strain <= options_.limits.strain)) return false;
+bool ContactProjection<Set>::is_kept(double strain, Candidate& candidate, FilterReport& report) {
+  if (!(strain <= options_.limits.strain) || !rows_.are_met()) return false;
   double fraction = 0;
   timed(report, [&] {
     fraction = safe_.safe_fraction_to_target();
     if (fraction == 1) report.smallest_gap = safe_.smallest_gap_at_target();
   });
-  return fraction == 1;
+  if (fraction < 1) return false;
+  rows_.note_drift();
+  rows_.report_forces(candidate);
+  count_contacts(report);
+  candidate.multipliers.contacts = rows_.memory();
+  return true;
 }
 
 /// Whether a target that strains so much is too far from any shape that the cloth can have.

@@ -52,7 +52,7 @@ private:
   void begin(const State& start, double dt, const Freedom& freedom, std::span<const Vec3> velocities);
   void find_pairs();
   static bool is_torn(double strain, FilterReport& report);
-  bool is_kept(double strain, FilterReport& report);
+  bool is_kept(double strain, Candidate& candidate, FilterReport& report);
   void iterate(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                FilterReport& report);
   bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,

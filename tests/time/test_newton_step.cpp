@@ -168,7 +168,9 @@ std::string tube(int around, int down) {
 
 } // namespace
 
-// Held up by the tension around it, by facets of a body: Fast Projection keeps 2e-4 J.
+// Held up by the tension around it, by facets of a body, which are smaller than its own: Fast Projection
+// keeps 2e-4 J, and elements rock with 7e-6 J where each step knows of those corners alone that press at its
+// start.
 TEST(NewtonStep, TubesComeToRestOnBodiesOfTriangles) {
   const Folder folder;
   if (rank_of(world) == 0) std::ofstream(folder / "tube.obj") << tube(16, 6);
@@ -181,7 +183,7 @@ TEST(NewtonStep, TubesComeToRestOnBodiesOfTriangles) {
                             "  start: {{translate: [0, 0, 0.24]}}\n"
                             "  material: {{density: 0.15, bending: 5e-6, shear: 20, damping: {{mass: 5}}}}\n"
                             "obstacles: [{{union: {{parts: [{{sphere: {{centre: [0, 0, 0], radius: 0.2}}}}], "
-                            "edge: 3 cm}}}}]\n"
+                            "edge: 12 mm}}}}]\n"
                             "contact: {{thickness: 3 mm, friction: 0.3}}\n"
                             "inextensibility: {{method: newton, solver: {}}}\n"
                             "time: {{end: 2, frame_rate: 1, max_step: 0.01}}\n",
@@ -191,7 +193,7 @@ TEST(NewtonStep, TubesComeToRestOnBodiesOfTriangles) {
     ASSERT_EQ(recorder.records.size(), 200u); // none rejected
     double kinetic = 0;
     for (std::size_t k = 150; k < 200; ++k) kinetic += recorder.records[k].energies.kinetic / 50;
-    EXPECT_LT(kinetic, 1e-5);
+    EXPECT_LT(kinetic, 3e-6);
   }
 }
 
