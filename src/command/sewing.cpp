@@ -145,6 +145,12 @@ Case checked_and_ready(MPI_Comm comm, const Case& input) {
   return ready_to_sew(unsewn, input);
 }
 
+/// Of the two stages that sew and fit, if there are bodies, and the one that follows.
+void tell_stage(MPI_Comm comm, const Case& input, int number, std::string_view what) {
+  if (rank_of(comm) == 0)
+    fmt::print("{}: stage {} of {}: {}\n", input.name, number, input.obstacles.empty() ? 2 : 3, what);
+}
+
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
               const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
@@ -222,6 +228,7 @@ int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, cons
   make_run_folder(comm, options.out, input.file);
   const RunLock lock(comm, options.out);
   clear_run_folder(comm, options.out, options.existing);
+  tell_stage(comm, input, 1, "panels are drawn together at their seams");
   const int code = run_stage(SewingStage::sewing, stage, simulation, comm, input, options, stop, began);
   return code == success ? run_after(SewingStage::sewing, comm, input, simulation, options, stop, began)
                          : code;
@@ -233,6 +240,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
   write_meshes_after(before, input, ended, out);
   if (before == SewingStage::fitting) write_bodies(comm, ended, out);
   if (before == SewingStage::sewing && !input.obstacles.empty()) {
+    tell_stage(comm, input, 2, "bodies grow to their size");
     const Case stage = fitting_case(input, meshes_after(SewingStage::sewing, input, out));
     Simulation simulation(comm, stage);
     if (!clear_stage(SewingStage::fitting, simulation, stage, out)) return step_failure;
@@ -240,6 +248,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
     return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
                            : code;
   }
+  tell_stage(comm, input, input.obstacles.empty() ? 2 : 3, "the case itself, with the garment");
   return run_garments(comm, with_fitted_bodies(comm, input, out), meshes_after(before, input, out), options,
                       stop, began);
 }

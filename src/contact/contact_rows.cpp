@@ -14,7 +14,15 @@ namespace {
 
 constexpr double gap_left = 0.1; ///< by a program, of what a free vertex falls in a step
 constexpr double close = 0.1;    ///< of the thickness, beyond it
-constexpr double trails = 0.1;   ///< of what a free vertex falls in the longest step: see anchor_reach_
+
+/// Sine of the angle by which directions may be outside of a body's normal cones: by round-off, and for
+/// contacts that are foreseen. Those that press at the end of a step must be known at its start. Where an
+/// element of cloth rests on two corners of a body, it rocks otherwise: each step knows of one corner only,
+/// and tilts the element into the other (src/newton/README.md#contact). What slides is held back by at most
+/// that part of what presses.
+constexpr double rounding = 1e-6, aslant_if_foreseen = 0.02;
+
+constexpr double trails = 0.1; ///< of what a free vertex falls in the longest step: see anchor_reach_
 
 } // namespace
 
@@ -32,6 +40,7 @@ void ContactRows::begin(const ContactMemory& memory, double dt, double overlap_k
   dt_ = dt;
   overlap_kept_ = overlap_kept;
   fall_ = fall(dt);
+  aslant_ = rounding;
   at_home_ = memory;
   known_.clear();
   seen_.clear();
@@ -54,6 +63,7 @@ void ContactRows::make(int iteration) {
 
 std::vector<ForeseenContact> ContactRows::foresee() {
   scene_.gather_target();
+  aslant_ = aslant_if_foreseen;
   corner_reach_ = fall_;
   find_contacts();
   corner_reach_ = 0;
@@ -138,7 +148,7 @@ void ContactRows::add_contact(const Pair& pair, const Approach& here, Seen& seen
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
       (pair.kind == PairKind::edge_edge && !inside) ||
-      (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own()));
+      (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own(), aslant_));
   if (is_covered && !has_stopped) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved

@@ -123,6 +123,7 @@ private:
   // of the step in hand
   double dt_ = 0, overlap_kept_ = 0;
   double fall_ = 0;         ///< m that gravity moves a free vertex, at most the smallest thickness
+  double aslant_ = 0;       ///< sine by which directions may be outside of normal cones
   double corner_reach_ = 0; ///< m beyond the thickness to which corners are contacts: see add_corners
   Global count_ = 0;
   std::vector<Contact> contacts_;

@@ -6,12 +6,6 @@
 
 namespace taut {
 
-namespace {
-
-constexpr double aslant = 0.02; ///< sine of an angle: see the header
-
-} // namespace
-
 NormalCones::NormalCones(const Obstacles& obstacles) : neighbours_(obstacles.vertices()) {
   for (const Element& e : obstacles.elements())
     for (int k = 0; k < e.corners && e.corners > 1; ++k) {
@@ -23,8 +17,8 @@ NormalCones::NormalCones(const Obstacles& obstacles) : neighbours_(obstacles.ver
     }
 }
 
-bool NormalCones::holds(const Pair& pair, const Approach& here, std::span<const Vec3> field,
-                        Local first) const {
+bool NormalCones::holds(const Pair& pair, const Approach& here, std::span<const Vec3> field, Local first,
+                        double aslant) const {
   boost::container::static_vector<Local, 3> nearest; // of the obstacle's vertices, those in play
   Vec3 place = Vec3::Zero();
   double sum = 0;
