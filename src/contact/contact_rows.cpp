@@ -236,7 +236,9 @@ void ContactRows::add_normal_row(Local k, int iteration) {
 }
 
 bool ContactRows::are_met() const {
-  const auto is_too_near = [](const ContactRow& row) { return row.is_normal && row.violation > row.slack; };
+  const auto is_too_near = [](const ContactRow& row) {
+    return row.is_normal && !(row.violation <= row.slack);
+  };
   return !any_of(scene_.cloth().mesh.comm, std::ranges::any_of(rows_, is_too_near));
 }
 

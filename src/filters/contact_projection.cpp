@@ -116,7 +116,7 @@ bool ContactProjection<Set>::is_kept(double strain, Candidate& candidate, Filter
     fraction = safe_.safe_fraction_to_target();
     if (fraction == 1) report.smallest_gap = safe_.smallest_gap_at_target();
   });
-  if (fraction < 1) return false;
+  if (!(fraction == 1)) return false; // nor where it is no number
   rows_.note_drift();
   rows_.report_forces(candidate);
   count_contacts(report);
