@@ -145,10 +145,11 @@ Case checked_and_ready(MPI_Comm comm, const Case& input) {
   return ready_to_sew(unsewn, input);
 }
 
-/// Of the two stages that sew and fit, if there are bodies, and the one that follows.
+/// Of a garment; there is nothing to fit without bodies.
+int stages_of(const Case& input) { return input.obstacles.empty() ? 2 : 3; }
+
 void tell_stage(MPI_Comm comm, const Case& input, int number, std::string_view what) {
-  if (rank_of(comm) == 0)
-    fmt::print("{}: stage {} of {}: {}\n", input.name, number, input.obstacles.empty() ? 2 : 3, what);
+  if (rank_of(comm) == 0) fmt::print("{}: stage {} of {}: {}\n", input.name, number, stages_of(input), what);
 }
 
 int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
@@ -248,7 +249,7 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
     return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
                            : code;
   }
-  tell_stage(comm, input, input.obstacles.empty() ? 2 : 3, "the case itself, with the garment");
+  tell_stage(comm, input, stages_of(input), "the case itself, with the garment");
   return run_garments(comm, with_fitted_bodies(comm, input, out), meshes_after(before, input, out), options,
                       stop, began);
 }

@@ -102,26 +102,26 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
     if (scene_.search.follow(safe_.motion())) update_pairs(scene_.search.kept());
   });
   rows_.make(1);
-  if (!is_kept(strain, candidate, report)) iterate(start, dt, freedom, candidate, report);
+  if (is_kept(strain, report)) {
+    note_contacts(candidate, report);
+    candidate.multipliers.contacts = rows_.memory();
+  } else {
+    iterate(start, dt, freedom, candidate, report);
+  }
   return report;
 }
 
 /// Whether nothing is left to correct of a candidate that strains so much. A projection would leave an
 /// equilibrium of all equations what its own metric makes of it.
 template<ConstraintSet Set>
-bool ContactProjection<Set>::is_kept(double strain, Candidate& candidate, FilterReport& report) {
+bool ContactProjection<Set>::is_kept(double strain, FilterReport& report) {
   if (!(strain <= options_.limits.strain) || !rows_.are_met()) return false;
   double fraction = 0;
   timed(report, [&] {
     fraction = safe_.safe_fraction_to_target();
     if (fraction == 1) report.smallest_gap = safe_.smallest_gap_at_target();
   });
-  if (!(fraction == 1)) return false; // nor where it is no number
-  rows_.note_drift();
-  rows_.report_forces(candidate);
-  count_contacts(report);
-  candidate.multipliers.contacts = rows_.memory();
-  return true;
+  return fraction == 1;
 }
 
 /// Whether a target that strains so much is too far from any shape that the cloth can have.
@@ -139,9 +139,7 @@ void ContactProjection<Set>::iterate(const State& start, double dt, const Freedo
   set_.start(start, dt, freedom, candidate);
   for (iteration_ = 1;; rows_.make(++iteration_)) {
     report.failure = project(report);
-    rows_.note_drift();
-    rows_.report_forces(candidate); // before another search renumbers what the rows refer to
-    count_contacts(report);
+    note_contacts(candidate, report); // before another search renumbers what the rows refer to
     if (!report.failure.empty() || ends_after_moving(report)) break;
   }
   propose(start, dt, candidate);
@@ -222,6 +220,13 @@ std::string ContactProjection<Set>::project(FilterReport& report) {
   set_.add(qp_.set_part());
   rows_.add(qp_.row_part());
   return "";
+}
+
+template<ConstraintSet Set>
+void ContactProjection<Set>::note_contacts(Candidate& candidate, FilterReport& report) {
+  rows_.note_drift();
+  rows_.report_forces(candidate);
+  count_contacts(report);
 }
 
 template<ConstraintSet Set>

@@ -52,13 +52,14 @@ private:
   void begin(const State& start, double dt, const Freedom& freedom, std::span<const Vec3> velocities);
   void find_pairs();
   static bool is_torn(double strain, FilterReport& report);
-  bool is_kept(double strain, Candidate& candidate, FilterReport& report);
+  bool is_kept(double strain, FilterReport& report);
   void iterate(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                FilterReport& report);
   bool ends_alone(const State& start, double dt, const Freedom& freedom, Candidate& candidate,
                   FilterReport& report);
   void update_pairs(std::size_t known);
   std::string project(FilterReport& report);
+  void note_contacts(Candidate& candidate, FilterReport& report);
   void count_contacts(FilterReport& report) const;
   bool ends_after_moving(FilterReport& report);
   void propose(const State& start, double dt, Candidate& candidate) const;

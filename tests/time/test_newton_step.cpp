@@ -169,7 +169,7 @@ std::string tube(int around, int down) {
 } // namespace
 
 // Held up by the tension around it, by facets of a body, which are smaller than its own: Fast Projection
-// keeps 2e-4 J, and elements rock with 7e-6 J where each step knows of those corners alone that press at its
+// keeps 7e-5 J, and elements rock with 7e-6 J where each step knows of those corners alone that press at its
 // start.
 TEST(NewtonStep, TubesComeToRestOnBodiesOfTriangles) {
   const Folder folder;
