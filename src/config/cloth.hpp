@@ -62,7 +62,7 @@ struct Material {
   double bending = 1e-5;                     ///< N m, N m^2 on a line
   std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
   std::optional<double> seam_bending;        ///< N m, over seams; absent: as elsewhere
-  std::optional<double> twist;               ///< N m, of quads; absent: see make_forces
+  std::optional<double> twist;               ///< N m, of quads; absent: see resolve
   std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
   RestAngles rest_angles = RestAngles::flat;
   double shear = 10; ///< N/m

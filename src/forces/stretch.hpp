@@ -15,9 +15,9 @@ struct TangentStencil {
 std::array<std::array<double, 3>, 2> tangent_coefficients(const Corners2& m);
 
 struct StretchMaterial {
-  std::array<double, 2> stiffness{}; ///< of warp and weft, N/m; N on a line
-  Vec2 target = Vec2::Ones();        ///< b_u, b_v [BW98 section 4.2]
-  double damping = 0;                ///< stiffness-proportional, s
+  Vec2 stiffness = Vec2::Zero(); ///< of warp and weft, N/m; N on a line
+  Vec2 target = Vec2::Ones();    ///< b_u, b_v [BW98 section 4.2]
+  double damping = 0;            ///< stiffness-proportional, s
 };
 
 /// Stretch of warp and weft [BW98 section 4.2]: E = k/2 C^2 with C = sqrt(a) (|w| - b), where a is the part

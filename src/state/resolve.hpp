@@ -13,6 +13,7 @@ struct Resolved {
   std::optional<double> strain_limit;      ///< of every accepted step; none if nothing keeps one
   std::optional<double> faces_limit;       ///< the same of single triangles
   double weight = 0;                       ///< of the cloth, N
+  std::vector<Vec2> stretch;               ///< stiffness of warp and weft, of sections: N/m, N on lines
 };
 
 /// Throws InputError for what the mesh cannot have. Collective.

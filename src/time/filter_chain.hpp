@@ -2,6 +2,7 @@
 #include "src/filters/velocity_filter.hpp"
 #include "src/time/integrator.hpp"
 #include "src/time/stepper_parts.hpp"
+#include "src/time/stretch_handover.hpp"
 
 namespace taut {
 
@@ -31,6 +32,7 @@ private:
   config::Inextensibility limits_;
   bool holds_limit_, contact_is_filter_;
   std::vector<char> pushes_; ///< see edges_with_pushes
+  std::optional<StretchHandover> stretch_;
   std::vector<std::unique_ptr<VelocityFilter>> filters_;
 };
 

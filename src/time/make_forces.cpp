@@ -178,53 +178,30 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
     forces.push_back(std::make_unique<DiagonalSprings>(cloth, pattern, diagonals, damping));
 }
 
-/// Where only averages around vertices are kept, single triangles may stretch against each other, on
-/// irregular meshes until no step is found. What hinders them is a stiffness at which the weight of the
-/// piece, spread over its width, would strain it by a tenth of the limit; by all of it with contact, where
-/// single triangles have bounds and the velocity solve is the cheaper. (Without contact a disc that hangs by
-/// two patches then takes three times the CPU time, because its triangles there are at their bounds.)
-/// Newton's method with contact has none: it is the stiffest of forces, linear in the step, and a sheet that
-/// was pressed out of its plane went off at 5 m/s; without it a disc of 259 vertices rests on a ball with
-/// 5e-7 J after 3 s, by Fast Projection with 7e-5. Collective.
-double default_stretch(const Cloth& cloth, std::size_t k, const Case& input) {
-  if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::edges) return 0;
-  const bool has_contact = input.contact_model() == config::ContactModel::constraint;
-  if (has_contact && input.inextensibility.method == config::InextensibilityMethod::newton) return 0;
-  std::array<double, 2> sums{}; // kg, m^2
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) {
-    if (cloth.piece_of(i) != k) continue;
-    sums[0] += cloth.mass[i];
-    sums[1] += cloth.measure[i];
+void add_stretch(const Cloth& cloth, const Pattern& pattern, const Resolved& resolved, Forces& forces) {
+  std::vector<std::optional<StretchMaterial>> materials;
+  for (std::size_t s = 0; s < cloth.sections.size(); ++s) {
+    const Material& m = cloth.material_of(cloth.sections[s]);
+    const Vec2& k = resolved.stretch[s];
+    materials.push_back(k.maxCoeff() > 0
+                            ? std::optional(StretchMaterial{k, m.stretch_target, m.damping.stiffness})
+                            : std::nullopt);
   }
-  sum_in_place(cloth.mesh.comm, sums);
-  const bool has_bounds = has_contact && config::is_filter(input.inextensibility.method);
-  const double part = has_bounds ? 1.0 : 0.1;
-  return sums[0] * input.gravity.largest() / (std::sqrt(sums[1]) * part * input.inextensibility.strain);
-}
-
-void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, Forces& forces) {
-  const auto materials = per_section<StretchMaterial>(
-      cloth, [&](std::size_t k, const Material& m) -> std::optional<StretchMaterial> {
-        const double warp = m.stretch ? *m.stretch : default_stretch(cloth, k, input),
-                     weft = m.stretch_weft.value_or(warp);
-        if (warp <= 0 && weft <= 0) return std::nullopt;
-        return StretchMaterial{{warp, weft}, m.stretch_target, m.damping.stiffness};
-      });
-  if (materials.any()) forces.push_back(std::make_unique<Stretch>(cloth, pattern, materials));
+  if (const PerSection<StretchMaterial> of_sections(std::move(materials)); of_sections.any())
+    forces.push_back(std::make_unique<Stretch>(cloth, pattern, of_sections));
 }
 
 } // namespace
 
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input,
-                   std::span<const Vec3> start) {
+                   const Resolved& resolved, std::span<const Vec3> start) {
   Forces forces;
-  // What is made of the weight, as default_stretch, is the same while the cloth is sewn.
   forces.push_back(std::make_unique<Gravity>(cloth, input.sewing ? config::Gravity(input.sewing->gravity)
                                                                  : input.gravity));
   add_bending(cloth, pattern, input, forces);
   add_twist(cloth, pattern, forces);
   add_shear(cloth, pattern, input, forces);
-  add_stretch(cloth, pattern, input, forces);
+  add_stretch(cloth, pattern, resolved, forces);
   if (input.inextensibility.method == config::InextensibilityMethod::springs)
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,

@@ -1,5 +1,6 @@
 #pragma once
 #include "src/contact/obstacles.hpp"
+#include "src/state/resolve.hpp"
 #include "src/time/implicit_euler.hpp"
 
 namespace taut {
@@ -7,7 +8,7 @@ namespace taut {
 /// The forces a case asks for; `cloth`, `obstacles` and `pattern` must outlive them. Throws InputError,
 /// naming key and model, for a model that cannot serve this mesh. Collective.
 Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern& pattern, const Case& input,
-                   std::span<const Vec3> start);
+                   const Resolved& resolved, std::span<const Vec3> start);
 
 /// The names of the energies of a run, in order: forces of one name, each of its own pieces of cloth, have
 /// one.

@@ -38,7 +38,8 @@ Simulation::Simulation(MPI_Comm comm, const Case& input)
       resolved_(resolve(input, cloth_)), state_(start_state(cloth_, input)),
       start_depth_(lowest(cloth_, state_.positions, down_)),
       acceptance_(cloth_, resolved_, input.time.max_stretch_change), pins_(cloth_, input, state_.positions),
-      pattern_(cloth_.mesh), forces_(make_forces(cloth_, obstacles_, pattern_, input, state_.positions)),
+      pattern_(cloth_.mesh),
+      forces_(make_forces(cloth_, obstacles_, pattern_, input, resolved_, state_.positions)),
       stepper_(
           make_stepper({cloth_, obstacles_, pattern_, pins_, resolved_, state_.positions, forces_}, input)),
       step_size_(input.time) {
