@@ -24,12 +24,12 @@ double default_compliance(double strain_limit, double weight) {
 
 /// Where only averages around vertices are kept, single triangles may stretch against each other, on
 /// irregular meshes until no step is found. What hinders them is a stiffness at which the weight of the
-/// piece, spread over its width, would strain it by a tenth of the limit; by all of it with contact, where
-/// single triangles have bounds and the velocity solve is the cheaper. (Without contact a disc that hangs by
-/// two patches then takes three times the CPU time, because its triangles there are at their bounds.)
-/// Newton's method with contact has none: it is the stiffest of forces, linear in the step, and a sheet that
-/// was pressed out of its plane went off at 5 m/s; without it a disc of 259 vertices rests on a ball with
-/// 5e-7 J after 3 s, by Fast Projection with 7e-5. Collective.
+/// piece, spread over its width, would strain it by a tenth of the limit. With a tenth of that stiffness
+/// pins that pull hold triangles at their bounds, whose force no prediction knows: a disc that hangs by two
+/// patches takes three times the CPU time, and a sleeve that pins pull over an arm ends with 3 from one of
+/// six starts. Newton's method with contact has none: it is the stiffest of forces, linear in the step, and a
+/// sheet that was pressed out of its plane went off at 5 m/s; without it a disc of 259 vertices rests on a
+/// ball with 5e-7 J after 3 s, by Fast Projection with 7e-5. Collective.
 double default_stretch(const Cloth& cloth, std::size_t k, const Case& input) {
   if (config::constrain_of(input, cloth.mesh.has_triangles) == config::Constrain::edges) return 0;
   const bool has_contact = input.contact_model() == config::ContactModel::constraint;
@@ -41,8 +41,7 @@ double default_stretch(const Cloth& cloth, std::size_t k, const Case& input) {
     sums[1] += cloth.measure[i];
   }
   sum_in_place(cloth.mesh.comm, sums);
-  const bool has_bounds = has_contact && config::is_filter(input.inextensibility.method);
-  const double part = has_bounds ? 1.0 : 0.1;
+  constexpr double part = 0.1;
   return sums[0] * input.gravity.largest() / (std::sqrt(sums[1]) * part * input.inextensibility.strain);
 }
 
