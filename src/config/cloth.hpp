@@ -62,12 +62,12 @@ struct Material {
   double bending = 1e-5;                     ///< N m, N m^2 on a line
   std::optional<double> bending_weft;        ///< N m, of weft threads; absent: as `bending`
   std::optional<double> seam_bending;        ///< N m, over seams; absent: as elsewhere
-  std::optional<double> twist;               ///< N m, of quads; absent: see resolve
+  std::optional<double> twist;               ///< N m, of quads; absent: see make_forces
   std::optional<BendingModel> bending_model; ///< absent: by the mesh, see bending_model_of
   RestAngles rest_angles = RestAngles::flat;
   double shear = 10; ///< N/m
   ShearModel shear_model = ShearModel::baraff_witkin;
-  std::optional<double> stretch;      ///< N/m, N on a line; absent: see make_forces
+  std::optional<double> stretch;      ///< N/m, N on a line; absent: see resolve
   std::optional<double> stretch_weft; ///< N/m; absent: as `stretch`
   Vec2 stretch_target = Vec2::Ones(); ///< lengths of warp and weft over those of the rest shape
   Damping damping;

@@ -38,7 +38,7 @@ std::vector<FilterPointer> make_filters(const StepperParts& parts, const Case& i
 
 /// Where averages around vertices are kept, and the next step carries their tension. Not with contact: what
 /// presses is found in the metric of the masses, and tension that runs ahead of it set a disc of 1319
-/// vertices on a ball astir, 2e-5 J in place of 6e-7 after 3 s.
+/// vertices on a ball astir, 2e-5 J in place of 6e-7 after 3 s (with a tenth of today's stretch stiffness).
 bool hands_stretch_over(const config::Inextensibility& limits, const Case& input) {
   return *limits.constrain == config::Constrain::vertices && config::is_filter(limits.method) &&
          limits.carried_tension && input.contact_model() != config::ContactModel::constraint;
@@ -65,8 +65,10 @@ void FilterChain::carry_tension(const State& state, Candidate& candidate) const 
 
 void FilterChain::apply(const StepStart& start, const Freedom& freedom, Candidate& candidate,
                         StepReport& report) {
-  set_positions(start, candidate);
-  if (stretch_) stretch_->start(candidate.positions);
+  if (stretch_) {
+    set_positions(start, candidate);
+    stretch_->start(candidate.positions);
+  }
   apply_filters(start, freedom, candidate, report);
   set_positions(start, candidate);
   if (config::is_filter(limits_.method)) add_pull(start.state, freedom, candidate);
