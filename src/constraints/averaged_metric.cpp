@@ -103,4 +103,11 @@ AveragedMetric::Pair AveragedMetric::at(Local vertex, std::span<const Vec3> posi
   return metric;
 }
 
+double AveragedMetric::on_edge(Local edge, std::span<const double> scale,
+                               std::span<const Pair> values) const {
+  double sum = 0;
+  for (const Share& s : of_edge(edge)) sum += scale[s.vertex] * s.weight.dot(values[s.vertex]);
+  return sum;
+}
+
 } // namespace taut

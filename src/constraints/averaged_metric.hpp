@@ -41,10 +41,15 @@ public:
   /// At an owned vertex. Not collective.
   Pair at(Local vertex, std::span<const Vec3> positions) const;
 
+  /// sum scale w values over the shares of an edge of `of_edge`: values by what belongs to vertices become
+  /// ones by the squared length of the edge. Both of local vertices. Not collective.
+  double on_edge(Local edge, std::span<const double> scale, std::span<const Pair> values) const;
+
   /// Whether a local vertex is a corner of triangles and of no quad, and so has a metric.
   bool has(Local vertex) const { return area_[vertex] > 0; }
   /// m^2 of triangles that belong to a local vertex: a third of each.
   double area(Local vertex) const { return area_[vertex]; }
+  std::span<const double> areas() const { return area_; }
 
   const Cloth& cloth() const { return cloth_; }
 

@@ -146,11 +146,7 @@ void MetricSet::residual(std::span<double> rows) const {
 
 /// By squared length, of local edges: what J^T makes of `values`, but for the edges' own derivatives.
 void MetricSet::spread_to_edges(std::span<const Vec2> values, std::span<double> on_edges) const {
-  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) {
-    on_edges[e] = 0;
-    for (const auto& share : metric_.of_edge(e))
-      on_edges[e] += scale_[share.vertex] * share.weight.dot(values[share.vertex]);
-  }
+  for (Local e = 0; e < cloth_.mesh.edges.size(); ++e) on_edges[e] = metric_.on_edge(e, scale_, values);
 }
 
 void MetricSet::tension_weights(std::span<double> weights) const {

@@ -33,9 +33,7 @@ void StretchHandover::add_to(Candidate& candidate) const {
   mesh.vertex_halo.update(taken);
   for (std::size_t i = 0; i < taken.size(); ++i) candidate.multipliers.stress[i] += taken[i];
   std::vector<double>& density = candidate.multipliers.force_density;
-  for (Local e = 0; e < mesh.edges.owned; ++e)
-    for (const auto& share : metric_.of_edge(e))
-      density[e] += metric_.area(share.vertex) * share.weight.dot(taken[share.vertex]);
+  for (Local e = 0; e < mesh.edges.owned; ++e) density[e] += metric_.on_edge(e, metric_.areas(), taken);
   mesh.edge_halo.update(density);
 }
 
