@@ -115,8 +115,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
      .range = not_negative,
      .computed_default = "from the weight of the cloth",
      .meaning = "strain of an edge per newton of its tension; by default that of a taut thread which bears "
-                "the whole "
-                "cloth is a tenth of the limit; of xpbd: 0"});
+                "the whole cloth, at gravity of 9.81 m/s^2 or more, is a tenth of the limit; of xpbd: 0"});
   v("shake", i.shake, {.computed_default = "its defaults", .meaning = "options of methods shake and rattle"});
   v("limiting", i.limiting,
     {.computed_default = "its defaults", .meaning = "options of methods jacobi and gauss_seidel"});
