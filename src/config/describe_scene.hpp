@@ -209,8 +209,8 @@ void describe(V& v, Is<Sewing> auto& s) {
     {.unit = Unit::pascal,
      .range = positive,
      .meaning =
-         "of the garment on a body that grows: where it is too tight for more, the body stays back, and "
-         "by how much is told"});
+         "of the garment on a body that grows: where it is too tight for more, the body stays back, by 2 cm "
+         "for as much again, and by how much is told"});
   v("damping", s.damping,
     {.unit = Unit::per_second, .range = not_negative, .meaning = "of all motion until then"});
   v("gravity", s.gravity,

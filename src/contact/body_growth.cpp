@@ -15,6 +15,9 @@ namespace {
 
 constexpr const char* ways_name = "/ways";
 
+/// m, that a vertex stays back for as much pressure again.
+constexpr double give = 0.02;
+
 /// N, of what the cloth presses on each vertex of the obstacles: an equal part of what each contact does.
 std::vector<double> forces_on(const Cloth& cloth, const Obstacles& obstacles, const ContactMemory& contacts) {
   const Global total = cloth.mesh.vertices.total; // numbers of the vertices of obstacles come after it
@@ -85,9 +88,12 @@ BodyGrowth growth_after(const Cloth& cloth, const Obstacles& obstacles, const St
     const auto& of_body = obstacles.growth_of(body);
     if (!of_body || !std::isfinite(of_body->time)) continue;
     const auto pressures = pressures_on(obstacles, body, forces, reach);
-    for (std::size_t v = 0; v < pressures.size(); ++v)
-      growth.speed[std::size_t(obstacles.first_of(body)) + v] =
-          -std::clamp(1 - pressures[v] / of_body->pressure, -1.0, 1.0) / of_body->time;
+    for (std::size_t v = 0; v < pressures.size(); ++v) {
+      const auto vertex = std::size_t(obstacles.first_of(body)) + v;
+      const double back = growth.slimness[vertex] * obstacles.way_to_slim(Local(vertex)).norm();
+      const double borne = of_body->pressure * (1 + back / give);
+      growth.speed[vertex] = -std::clamp(1 - pressures[v] / borne, -1.0, 1.0) / of_body->time;
+    }
   }
   return growth;
 }
