@@ -10,10 +10,11 @@ using namespace taut::test;
 namespace {
 
 Resolved resolved_with(double gravity) {
-  const Case input = case_of(fmt::format("cloth: {{grid: {{size: [1, 1], vertices: [5, 5], cells: triangles}}}}\n"
-                                         "gravity: [0, 0, {}]\n"
-                                         "time: {{end: 1}}\n",
-                                         -gravity));
+  const Case input =
+      case_of(fmt::format("cloth: {{grid: {{size: [1, 1], vertices: [5, 5], cells: triangles}}}}\n"
+                          "gravity: [0, 0, {}]\n"
+                          "time: {{end: 1}}\n",
+                          -gravity));
   const Simulation simulation(world, input);
   return resolve(input, simulation.cloth());
 }
