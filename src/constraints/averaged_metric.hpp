@@ -41,8 +41,8 @@ public:
   /// At an owned vertex. Not collective.
   Pair at(Local vertex, std::span<const Vec3> positions) const;
 
-  /// sum scale w values over the shares of an edge of `of_edge`: values by what belongs to vertices become
-  /// ones by the squared length of the edge. Both of local vertices. Not collective.
+  /// What values of local vertices, times their scale, are by the squared length of an edge: the sum of
+  /// scale w value over its shares. Edges as in `of_edge`. Not collective.
   double on_edge(Local edge, std::span<const double> scale, std::span<const Pair> values) const;
 
   /// Whether a local vertex is a corner of triangles and of no quad, and so has a metric.
