@@ -9,11 +9,11 @@ namespace taut {
 
 namespace {
 
-/// In N. Collective.
-double weight_of(const Cloth& cloth, double gravity) {
+/// In kg. Collective.
+double mass_of(const Cloth& cloth) {
   double mass = 0;
   for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  return sum_over(cloth.mesh.comm, mass) * gravity;
+  return sum_over(cloth.mesh.comm, mass);
 }
 
 /// m/s^2, of the weights below: that of the Earth, or more where the case has more. Where it has less, bodies
@@ -96,7 +96,8 @@ config::LinearSolver default_solver(const Case& input, const Cloth& cloth, confi
 Resolved resolve(const Case& input, const Cloth& cloth) {
   Resolved result;
   result.inextensibility = input.inextensibility;
-  result.weight = weight_of(cloth, input.gravity.largest());
+  const double mass = mass_of(cloth);
+  result.weight = mass * input.gravity.largest();
   config::Inextensibility& limits = result.inextensibility;
   limits.constrain = constrain_of(input, cloth);
   if (limits.faces != config::Inextensibility{}.faces &&
@@ -106,7 +107,7 @@ Resolved resolve(const Case& input, const Cloth& cloth) {
                                            "contact; remove it, or choose method fast_projection");
   if (!limits.solver) limits.solver = default_solver(input, cloth, *limits.constrain);
   if (!limits.compliance && limits.method != config::InextensibilityMethod::xpbd) {
-    limits.compliance = default_compliance(limits.strain, weight_of(cloth, gravity_of_loads(input)));
+    limits.compliance = default_compliance(limits.strain, mass * gravity_of_loads(input));
     limits.may_bound_compliance = config::holds_limit(input);
   }
   result.stretch = stretch_of_sections(input, cloth);
