@@ -1,5 +1,8 @@
 #include "src/command/sewing_cases.hpp"
 
+#include "src/config/methods.hpp"
+#include "src/state/resolve.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,12 +17,22 @@ void hold_first(std::vector<config::Keyframe>& motion) {
   if (!motion.empty()) motion.resize(1);
 }
 
-/// Nothing has to rest before it is sewn. (By Newton's method sleeves stay open by half a centimetre,
-/// and fittings come to a stand.)
+/// By Newton's method garments are fitted in steps that are never rejected, but three times as dear; and a
+/// body stays back by 3 to 12 mm at the shoulders of a shirt that is wide enough for it (garment/README.md).
 void project(config::Inextensibility& i) {
   if (i.method != config::InextensibilityMethod::newton) return;
   i.method = config::InextensibilityMethod::fast_projection;
   i.solver.reset();
+  i.residual = config::Inextensibility{}.residual;
+}
+
+/// Fast Projection comes back in the metric of masses from where strings have drawn the cloth. So seams of
+/// heavy skirts open those of the light straps that hold them.
+void sew_by(config::InextensibilityMethod method, config::Inextensibility& i) {
+  if (!config::can_average(i.method)) return;
+  i.method = method;
+  i.solver.reset();
+  if (method == config::InextensibilityMethod::newton) i.solver = config::LinearSolver::mumps;
   i.residual = config::Inextensibility{}.residual;
 }
 
@@ -30,7 +43,6 @@ Case in_peace(Case input) {
   input.attachments.clear();
   input.time.until_rest.reset();
   if (input.contact) input.contact->friction = 0;
-  if (input.has_contact()) project(input.inextensibility);
   for (config::Cloth& c : input.cloths) {
     c.material.damping.mass += sewing.damping;
     c.material.bending = std::max(c.material.bending, sewing.bending);
@@ -82,6 +94,11 @@ Case with_meshes(Case input, std::span<const fs::path> meshes) {
   return input;
 }
 
+config::InextensibilityMethod seam_method(Global vertices) {
+  using enum config::InextensibilityMethod;
+  return vertices <= most_vertices_to_factor ? newton : fast_projection;
+}
+
 void fill_in(Case& input, std::span<const double> shortest) {
   constexpr double room = 1.5, thickness = 0.03; // edges
   constexpr double most = 0.3;                   // of the shortest edge, which elastic may shorten
@@ -102,6 +119,8 @@ Case sewing_case(const Case& input) {
   // Averages over triangles are pulled at one side of a panel harder than the prediction knows, and would
   // keep seams open: the triangles at outlines stretch by the limit where a seam pulls with all its force.
   stage.inextensibility.constrain = config::Constrain::edges;
+  sew_by(input.sewing->method.value_or(config::InextensibilityMethod::fast_projection),
+         stage.inextensibility);
   const double stretch = input.sewing->force / input.inextensibility.strain;
   for (config::Cloth& c : stage.cloths) {
     c.material.stretch = std::max(c.material.stretch.value_or(0), stretch);
@@ -114,6 +133,7 @@ Case sewing_case(const Case& input) {
 
 Case fitting_case(const Case& input, std::span<const fs::path> sewn) {
   Case stage = with_meshes(in_peace(input), sewn);
+  if (input.has_contact()) project(stage.inextensibility);
   constexpr double most_time = 3; // times that of a body on which nothing presses
   stage.time.end = most_time * input.sewing->growth;
   // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.

@@ -12,6 +12,9 @@ namespace taut::command {
 /// cloth.
 void fill_in(Case& input, std::span<const double> shortest);
 
+/// By which garments of so many vertices are sewn: Newton's method as long as its matrix is cheap to factor.
+config::InextensibilityMethod seam_method(Global vertices);
+
 /// Makes a sphere or capsule a body of triangles, whose vertices can be moved.
 void make_mesh(config::Obstacle& o);
 
@@ -19,7 +22,7 @@ void make_mesh(config::Obstacle& o);
 Case with_meshes(Case input, std::span<const std::filesystem::path> meshes);
 
 /// Panels are drawn together around bodies that are slim. In this stage and the next there is no motion but
-/// that of sewing; pins and obstacles are as at time 0.
+/// that of sewing; pins and obstacles are as at time 0. Without a method of sewing, by Fast Projection.
 Case sewing_case(const Case& input);
 
 /// Bodies grow to their size in the garments that are `sewn`.

@@ -220,6 +220,13 @@ void describe(V& v, Is<Sewing> auto& s) {
      .range = not_negative,
      .meaning = "bending stiffness until then, of cloth that is softer: panels that stay smooth do not get "
                 "caught on one another"});
+  v("method", s.method,
+    {.computed_default = "newton for at most 20 000 vertices, otherwise fast_projection",
+     .meaning = "what keeps the panels from stretching until then: fast_projection, or newton with MUMPS, by "
+                "which seams do not open one another"});
+  using enum InextensibilityMethod;
+  v.check("method", !s.method || s.method == fast_projection || s.method == newton,
+          "is fast_projection or newton");
   v.check("limit", s.limit >= s.time, "is less than time; seams need that long to close");
 }
 

@@ -143,7 +143,9 @@ struct Sewing {
   double pressure = 100;       ///< Pa, with which it may press on them
   double damping = 40;         ///< 1/s, times the mass
   Vec3 gravity = Vec3::Zero(); ///< m/s^2
-  double bending = 1e-4;       ///< N m, at least
+  double bending = 1e-3;       ///< N m, at least
+  /// fast_projection or newton; absent: newton, of large garments fast_projection
+  std::optional<InextensibilityMethod> method;
   bool operator==(const Sewing&) const = default;
 };
 

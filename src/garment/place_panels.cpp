@@ -40,9 +40,17 @@ std::array<double, 2> heights_of(const Panel& panel) {
   return {(*low)[1], (*high)[1]};
 }
 
-/// How much is between two panels of which one is above the other, m; negative where that is the second.
-double gap_between(const std::array<double, 2>& one, const std::array<double, 2>& two) {
-  return one[0] > two[1] ? one[0] - two[1] : two[0] > one[1] ? one[1] - two[0] : 0;
+bool is_above(const std::array<double, 2>& one, const std::array<double, 2>& two) { return one[0] >= two[1]; }
+
+/// How far the first edge of a seam is above the second, m: the mean along the seam.
+double height_over(const SewingPattern& pattern, const Seam& seam) {
+  double sum = 0;
+  for (const SeamSide& side : seam.sides) {
+    const Panel& panel = pattern.panels[side.panel];
+    for (const Vec2& p : points_of(panel.edges[side.edge].curve))
+      sum += (side == seam.sides[0] ? 1 : -1) * place_of(panel, p)[1];
+  }
+  return sum / (pieces + 1);
 }
 
 void close_up(SewingPattern& pattern) {
@@ -59,7 +67,8 @@ void close_up(SewingPattern& pattern) {
     sums(b, b) += length;
     sums(a, b) -= length;
     sums(b, a) -= length;
-    const double gap = length * gap_between(heights[a], heights[b]);
+    const bool are_above_each_other = is_above(heights[a], heights[b]) || is_above(heights[b], heights[a]);
+    const double gap = are_above_each_other ? length * height_over(pattern, seam) : 0;
     gaps[a] -= gap;
     gaps[b] += gap;
   }

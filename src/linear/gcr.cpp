@@ -8,6 +8,7 @@ namespace taut {
 void Gcr::start(std::span<const double> weights) {
   weights_.assign(weights.begin(), weights.end());
   used_ = 0;
+  has_stalled_ = false;
 }
 
 /// Gram and Schmidt's classical way: one sum over ranks for all.
@@ -31,17 +32,20 @@ void Gcr::orthogonalise(std::span<double> direction, std::span<double> product) 
 double Gcr::step(std::span<double> direction, std::span<double> product, std::span<double> x,
                  std::span<double> r) {
   if (used_ == most_kept) used_ = 0;
-  std::array<double, 3> sums{}; // <p, p> as given; then <p, p> and <p, r> of what is new
+  std::array<double, 4> sums{}; // <p, p> as given; <p, p> and <p, r> of what is new; <r, r>
   for (std::size_t i = 0; i < size_; ++i) sums[0] += weights_[i] * product[i] * product[i];
   orthogonalise(direction, product);
   for (std::size_t i = 0; i < size_; ++i) {
     sums[1] += weights_[i] * product[i] * product[i];
     sums[2] += weights_[i] * product[i] * r[i];
+    sums[3] += weights_[i] * r[i] * r[i];
   }
   sum_in_place(comm_, sums);
   constexpr double nothing_new = 1e-10; // single precision keeps no more
   if (!(sums[1] > nothing_new * sums[0])) return 0;
   const double alpha = sums[2] / sums[1], scale = 1 / std::sqrt(sums[1]);
+  constexpr double hardly = 1e-4; // of <r, r>
+  has_stalled_ = alpha * sums[2] < hardly * sums[3];
   if (kept_.size() == used_) kept_.push_back({std::vector<float>(size_), std::vector<float>(size_)});
   auto& [z, p] = kept_[used_++];
   for (std::size_t i = 0; i < size_; ++i) {

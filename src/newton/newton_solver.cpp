@@ -14,6 +14,7 @@ namespace {
 constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
 constexpr int most_with_old_factor = 8; // iterations
+constexpr int most_stalled = 20;        // iterations in a row, after which there is no solution
 constexpr double told_apart = 1e-8;     // of what rows yield, far below what a step asks for
 constexpr double part_of_way = 1e-3;    // of what starts from rest; less is lost in what turns
 
@@ -31,7 +32,7 @@ NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set&
     : cloth_(cloth), set_(set), row_edges_(set.row_edges()), grids_(cloth.mesh, pattern),
       gcr_(cloth.mesh.comm, 3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       total_mass_(total_mass(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
-      left_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
+      left_(solution_), source_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
       metric_(cloth.mesh.vertices.size()), tolerance_(set.rows()),
       rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {
   if (kind == SolverOptions::Kind::mumps)
@@ -84,14 +85,19 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   std::fill(solution_.begin(), solution_.end(), 0.0);
   gcr_.start(weights_);
   SolveReport report;
-  for (bool is_solved = false; !is_solved && report.iterations < max_iterations;) {
+  int stalled = 0; // iterations in a row
+  for (bool is_solved = false; !is_solved && report.iterations < max_iterations && stalled < most_stalled;) {
     if (factor_ && age_ == Age::old && report.iterations == most_with_old_factor) renew_factor();
+    const bool of_left = !gcr_.has_stalled();
+    source_ = of_left ? left_ : product_;
     report.failure = find_direction();
     ++report.iterations;
     if (!report.failure.empty()) break;
     const double movement = rms(as_vectors(direction_));
     if (gcr_.step(direction_, product_, solution_, left_) == 0) break; // no further progress
-    is_solved = movement <= allowed_movement(goal) && strain(std::span(left_).subspan(3 * n)) <= goal.strain;
+    stalled = gcr_.has_stalled() ? stalled + 1 : 0;
+    is_solved = of_left && movement <= allowed_movement(goal) &&
+                strain(std::span(left_).subspan(3 * n)) <= goal.strain;
   }
   std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
   cloth_.mesh.vertex_halo.update(dx);
@@ -141,7 +147,7 @@ double NewtonSolver<Set>::strain(std::span<const double> c) const {
   return max_over(cloth_.mesh.comm, largest);
 }
 
-/// The preconditioner for what is left, and its product, in `direction_` and `product_`. Returns why there is
+/// The preconditioner for `source_`, and its product, in `direction_` and `product_`. Returns why there is
 /// none.
 template<ConstraintSetInNewton Set>
 std::string NewtonSolver<Set>::find_direction() {
@@ -149,7 +155,7 @@ std::string NewtonSolver<Set>::find_direction() {
     precondition();
     return "";
   }
-  if (const SolveReport solved = factor_->solve(left_, direction_); !solved.failure.empty())
+  if (const SolveReport solved = factor_->solve(source_, direction_); !solved.failure.empty())
     return solved.failure;
   const auto x = as_vectors(direction_).first(std::size_t(cloth_.mesh.vertices.owned));
   std::copy(x.begin(), x.end(), x_.begin());
@@ -165,8 +171,8 @@ template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::precondition() {
   const DistributedMesh& mesh = cloth_.mesh;
   const auto n = std::size_t(mesh.vertices.owned);
-  const auto r = as_vectors(left_).first(n);
-  const auto c = std::span(left_).subspan(3 * n), d = std::span(direction_).subspan(3 * n);
+  const auto r = as_vectors(source_).first(n);
+  const auto c = std::span(source_).subspan(3 * n), d = std::span(direction_).subspan(3 * n);
 
   for (std::size_t row = 0; row < c.size(); ++row) rows_[row] = -c[row];
   grids_.restrict_to(coarse_->level(), r, nodes_);
@@ -228,7 +234,7 @@ double NewtonSolver<Set>::dot(std::span<const double> a, std::span<const double>
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::project(std::span<Vec3> x) {
   const auto a = set_.program_compliance();
-  const auto c = std::span(left_).subspan(3 * x.size()), d = std::span(direction_).subspan(3 * x.size());
+  const auto c = std::span(source_).subspan(3 * x.size()), d = std::span(direction_).subspan(3 * x.size());
   std::copy(x.begin(), x.end(), x_.begin());
   cloth_.mesh.vertex_halo.update(x_);
   for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] = -c[row] - a[row] * d[row];

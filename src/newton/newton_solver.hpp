@@ -92,7 +92,7 @@ private:
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,
   // then the rows.
-  std::vector<double> solution_, left_, direction_, product_, weights_;
+  std::vector<double> solution_, left_, source_, direction_, product_, weights_;
   std::vector<double> metric_;              ///< W, of local vertices
   std::vector<double> tolerance_, rows_;    ///< of owned rows; rows_: room
   std::array<std::vector<double>, 4> room_; ///< of owned rows, for conjugate gradients

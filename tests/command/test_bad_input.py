@@ -78,11 +78,11 @@ def option(name, options, message):
     return Mistake(name, message, options=tuple(options.split()))
 
 
-def sewn(name, line, message, place=0):
+def sewn(name, line, message, place=0, sewing="{}"):
     """A garment around a post."""
     post = f"capsule: {{from: [{place}, 0, -0.3], to: [{place}, 0, 0.5], radius: 5 cm}}"
     return Mistake(name, message, f"cloth: {{pattern: p.yaml, edge: 5 cm}}\nobstacles: [{{name: post, {post}}}]\n"
-                   f"sewing: {{}}\n{line}\n", files={"p.yaml": LABELLED})
+                   f"sewing: {sewing}\n{line}\n", files={"p.yaml": LABELLED})
 
 
 def command(name, arguments, message):
@@ -337,6 +337,8 @@ MISTAKES = [
             "edges of its mesh, e.g. 5 mm", "cloth: {pattern: pattern.yaml}\n"),
     sewn("attachment_after_sewing", "attachments: [{label: hole, obstacle: 0}]",
          "taut: case.yaml: attachments.0.label: no edge and no panel has the label 'hole'; there are waists"),
+    sewn("sewing_method", "",
+         "taut: case.yaml:3:18: sewing.method: is fast_projection or newton", sewing="{method: icd}"),
     sewn("body_elsewhere", "", "taut: case.yaml: cloth and obstacles are 0.75 m apart, and nothing is to be dressed: "
          "the cloth is at x 0 to 0.1, y 0 to 0, z 0 to 0.1 m, z being up; correct units (scale), the axis that points "
          "up in the files (up), or places", place=0.9),

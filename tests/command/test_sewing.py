@@ -86,6 +86,13 @@ class Sewing(Temporary):
         texture = sewn["texture_of_vertices"]
         self.assertAlmostEqual(np.ptp(texture[:, 0]), 0.2, 6)  # along warp
 
+    def test_newton_sews_what_is_small_or_another_method_that_is_told(self):
+        for method, told in (("newton", ()), ("fast_projection", ("--set", "sewing.method=fast_projection"))):
+            code, out, err = self.taut("run", "case.yaml", "--out", method, *told)
+            self.assertEqual((code, err), (0, ""))
+            self.assertEqual(re.findall(r" frames, by (\w+),", out), [method, "fast_projection", "fast_projection"])
+            self.assert_sound(self.folder / method)
+
     def test_a_pattern_goes_from_coarse_to_fine(self):
         coarse = self.sewn("coarse")
         code, _, err = self.taut("run", "case.yaml", "--from", "coarse", "--out", "fine", "--set", "cloth.edge=0.02",
@@ -174,7 +181,7 @@ class Sewing(Temporary):
         seam = "stitches: [[{panel: front, edge: 0}, {panel: back, edge: 0}]]"
         (self.folder / "tube.yaml").write_text(PATTERN[:PATTERN.index("stitches")] + seam)
         code, _, err = self.taut("run", "case.yaml", "--out", "run", "--set", "pins=[]", "--set", bar, "--set",
-                                 "sewing.gravity=[0, 0, 15]", "--set", "time.end=0.1")
+                                 "sewing.gravity=[0, 0, 15]", "--set", "sewing.bending=1e-4", "--set", "time.end=0.1")
         self.assertEqual((code, err), (0, ""))
         run = self.folder / "run"
         self.assert_sound(run)

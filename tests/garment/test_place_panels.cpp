@@ -35,6 +35,20 @@ TEST(PlacePanels, CloseTheGapBetweenOneAboveTheOther) {
   EXPECT_EQ(places[0][2], 0.1);
 }
 
+// A skirt that is cut along an arc is lower in the middle: what counts is the mean along the seam.
+TEST(PlacePanels, CloseTheGapInTheMeanAlongTheSeam) {
+  const auto places = places_of("panels:\n" + rectangle("bodice", 0.2, 0.3, at(0, 0.5, 0.1)) +
+                                "  skirt:\n    vertices: [[0, 0], [0.2, 0], [0.2, 0.4], [0, 0.4]]\n"
+                                "    edges: [{endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3], "
+                                "curvature: [0.5, 0.5]}, {endpoints: [3, 0]}]\n"
+                                "stitches: [[{panel: bodice, edge: 0}, {panel: skirt, edge: 2}]]\n");
+  const double deep =
+      0.05; // of the parabola; the mean along x is two thirds of it, that along the arc is less
+  const double lower = places[1][1] + 0.4 - places[0][1];
+  EXPECT_GT(lower, 0.5 * deep);
+  EXPECT_LT(lower, 2.0 / 3.0 * deep);
+}
+
 TEST(PlacePanels, LeaveWhatIsAsHighAsEachOther) {
   const auto places = places_of("panels:\n" + rectangle("front", 0.2, 0.3, at(0, 0.1, 0.1)) +
                                 rectangle("back", 0.2, 0.3, at(0, 0.2, -0.1)) +

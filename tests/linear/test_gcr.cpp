@@ -90,3 +90,23 @@ TEST(Gcr, SaysWhereADirectionBringsNothing) {
     EXPECT_EQ(gcr.step(direction, product, x, r) != 0, first);
   }
 }
+
+// A quarter turn leaves no residual smaller by any part of its product, and what follows it solves the
+// system.
+TEST(Gcr, GoesOnFromTheProductWhereItStalls) {
+  const Dense turn = (Dense(2, 2) << 0, 1, -1, 0).finished();
+  const auto of_rank = [](const Column& whole) {
+    return rank_of(world) == 0 ? std::vector<double>{whole[0], whole[1]} : std::vector<double>{};
+  };
+  std::vector<double> x = of_rank(Column::Zero(2)), r = of_rank(Column::Unit(2, 0));
+  Gcr gcr(world, r.size());
+  gcr.start(std::vector<double>(r.size(), 1.0));
+  Column source = Column::Unit(2, 0);
+  for (const bool stalls : {true, false}) {
+    std::vector<double> direction = of_rank(source), product = of_rank(turn * source);
+    gcr.step(direction, product, x, r);
+    EXPECT_EQ(gcr.has_stalled(), stalls);
+    source = turn * source;
+  }
+  for (const double left : r) EXPECT_NEAR(left, 0, 1e-7);
+}
