@@ -174,7 +174,7 @@ int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_
 Case ready_to_sew(const Simulation& unsewn, Case input) {
   const MPI_Comm comm = unsewn.cloth().mesh.comm;
   fill_in(input, shortest_edges(comm, input));
-  if (!input.sewing->method) input.sewing->method = seam_method(unsewn.cloth().mesh.vertices.total);
+  if (!input.sewing->method) input.sewing->method = seam_method(input, unsewn.cloth().mesh.vertices.total);
   const Obstacles slim(comm, sewing_case(input));
   check_place(input, unsewn, slim);
   const std::vector<double> lifts = lifts_of(unsewn.cloth(), unsewn.state().positions, slim);

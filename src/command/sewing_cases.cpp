@@ -17,11 +17,10 @@ void hold_first(std::vector<config::Keyframe>& motion) {
   if (!motion.empty()) motion.resize(1);
 }
 
-/// By Newton's method garments are fitted in steps that are never rejected, but three times as dear; and a
-/// body stays back by 3 to 12 mm at the shoulders of a shirt that is wide enough for it (garment/README.md).
-void project(config::Inextensibility& i) {
-  if (i.method != config::InextensibilityMethod::newton) return;
-  i.method = config::InextensibilityMethod::fast_projection;
+/// Another method than that of the case itself does without the options that were chosen for that.
+void use(config::InextensibilityMethod method, config::Inextensibility& i) {
+  if (i.method == method) return;
+  i.method = method;
   i.solver.reset();
   i.residual = config::Inextensibility{}.residual;
 }
@@ -30,10 +29,8 @@ void project(config::Inextensibility& i) {
 /// heavy skirts open those of the light straps that hold them.
 void sew_by(config::InextensibilityMethod method, config::Inextensibility& i) {
   if (!config::can_average(i.method)) return;
-  i.method = method;
-  i.solver.reset();
+  use(method, i);
   if (method == config::InextensibilityMethod::newton) i.solver = config::LinearSolver::mumps;
-  i.residual = config::Inextensibility{}.residual;
 }
 
 /// What both stages have: no motion but that of sewing.
@@ -94,9 +91,10 @@ Case with_meshes(Case input, std::span<const fs::path> meshes) {
   return input;
 }
 
-config::InextensibilityMethod seam_method(Global vertices) {
+config::InextensibilityMethod seam_method(const Case& input, Global vertices) {
   using enum config::InextensibilityMethod;
-  return vertices <= most_vertices_to_factor ? newton : fast_projection;
+  return config::newton_knows_contact(input) && vertices <= most_vertices_to_factor ? newton
+                                                                                    : fast_projection;
 }
 
 void fill_in(Case& input, std::span<const double> shortest) {
@@ -133,7 +131,10 @@ Case sewing_case(const Case& input) {
 
 Case fitting_case(const Case& input, std::span<const fs::path> sewn) {
   Case stage = with_meshes(in_peace(input), sewn);
-  if (input.has_contact()) project(stage.inextensibility);
+  // By Newton's method steps are never rejected, but three times as dear; and a body stays back by 3 to 12 mm
+  // at the shoulders of a shirt that is wide enough for it (garment/README.md).
+  if (input.has_contact() && config::can_average(stage.inextensibility.method))
+    use(config::InextensibilityMethod::fast_projection, stage.inextensibility);
   constexpr double most_time = 3; // times that of a body on which nothing presses
   stage.time.end = most_time * input.sewing->growth;
   // Sinks by a few centimetres at most: onto shoulders, above which it was sewn, and not off the hips.

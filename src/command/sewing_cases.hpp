@@ -12,8 +12,9 @@ namespace taut::command {
 /// cloth.
 void fill_in(Case& input, std::span<const double> shortest);
 
-/// By which garments of so many vertices are sewn: Newton's method as long as its matrix is cheap to factor.
-config::InextensibilityMethod seam_method(Global vertices);
+/// By which garments of so many vertices are sewn: Newton's method, if it has what the case asks of contact,
+/// and as long as its matrix is cheap to factor.
+config::InextensibilityMethod seam_method(const Case& input, Global vertices);
 
 /// Makes a sphere or capsule a body of triangles, whose vertices can be moved.
 void make_mesh(config::Obstacle& o);

@@ -83,6 +83,9 @@ void check_sewing(V& v, const Case& c) {
           !c.sewing || std::all_of(c.cloths.begin(), c.cloths.end(),
                                    [](const Cloth& cloth) { return cloth.pattern.has_value(); }),
           "is for patterns; remove it, or give every cloth as a pattern");
+  v.check("sewing", !c.sewing || c.sewing->method != InextensibilityMethod::newton || newton_knows_contact(c),
+          "method newton works with contact.model constraint or none only; choose one of these, or method "
+          "fast_projection");
   v.check("pins",
           !c.sewing ||
               std::all_of(c.pins.begin(), c.pins.end(), [](const Pin& p) { return p.label.has_value(); }),
@@ -143,8 +146,7 @@ void describe(V& v, Is<Case> auto& c) {
       "contact.model constraint works with methods fast_projection and newton only; choose one of these, or "
       "contact.model: impulse, penalty or none");
   v.check("inextensibility",
-          c.inextensibility.method != InextensibilityMethod::newton || !c.has_contact() ||
-              c.contact_model() == ContactModel::constraint,
+          c.inextensibility.method != InextensibilityMethod::newton || newton_knows_contact(c),
           "method newton works with contact.model constraint or none only; choose one of these, or method "
           "fast_projection");
   v.check("inextensibility", c.inextensibility.method != InextensibilityMethod::xpbd || !c.has_contact(),

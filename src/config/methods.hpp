@@ -25,6 +25,11 @@ constexpr bool can_average(InextensibilityMethod m) {
   return m == InextensibilityMethod::fast_projection || m == InextensibilityMethod::newton;
 }
 
+/// Whether Newton's method has what the case asks of contact.
+inline bool newton_knows_contact(const Case& input) {
+  return !input.has_contact() || input.contact_model() == ContactModel::constraint;
+}
+
 /// Contact changes velocities after whatever keeps the strain.
 inline bool contact_is_last(const Case& input) {
   if (input.contact_model() != ContactModel::impulse) return false;

@@ -8,7 +8,7 @@ namespace taut {
 void Gcr::start(std::span<const double> weights) {
   weights_.assign(weights.begin(), weights.end());
   used_ = 0;
-  has_stalled_ = false;
+  stalled_ = 0;
 }
 
 /// Gram and Schmidt's classical way: one sum over ranks for all.
@@ -45,7 +45,7 @@ double Gcr::step(std::span<double> direction, std::span<double> product, std::sp
   if (!(sums[1] > nothing_new * sums[0])) return 0;
   const double alpha = sums[2] / sums[1], scale = 1 / std::sqrt(sums[1]);
   constexpr double hardly = 1e-4; // of <r, r>
-  has_stalled_ = alpha * sums[2] < hardly * sums[3];
+  stalled_ = alpha * sums[2] < hardly * sums[3] ? stalled_ + 1 : 0;
   if (kept_.size() == used_) kept_.push_back({std::vector<float>(size_), std::vector<float>(size_)});
   auto& [z, p] = kept_[used_++];
   for (std::size_t i = 0; i < size_; ++i) {

@@ -24,9 +24,9 @@ public:
   double step(std::span<double> direction, std::span<double> product, std::span<double> x,
               std::span<double> r);
 
-  /// Whether the last step left the residual as it was. What the preconditioner makes of it is then no new
-  /// direction, but what it makes of the last product is [Orthodir: Young, Jea 1980].
-  bool has_stalled() const { return has_stalled_; }
+  /// How many of the last steps, in a row, left the residual as it was. What the preconditioner makes of it
+  /// is then no new direction, but what it makes of the last product is [Orthodir: Young, Jea 1980].
+  int stalled() const { return stalled_; }
 
   static constexpr std::size_t most_kept = 30;
 
@@ -39,7 +39,7 @@ private:
 
   MPI_Comm comm_;
   std::size_t size_, used_ = 0;
-  bool has_stalled_ = false;
+  int stalled_ = 0;
   std::vector<double> weights_;
   std::vector<Kept> kept_; ///< of these the first `used_`; memory is taken when it is first needed
 };

@@ -85,17 +85,16 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   std::fill(solution_.begin(), solution_.end(), 0.0);
   gcr_.start(weights_);
   SolveReport report;
-  int stalled = 0; // iterations in a row
-  for (bool is_solved = false; !is_solved && report.iterations < max_iterations && stalled < most_stalled;) {
+  for (bool is_solved = false;
+       !is_solved && report.iterations < max_iterations && gcr_.stalled() < most_stalled;) {
     if (factor_ && age_ == Age::old && report.iterations == most_with_old_factor) renew_factor();
-    const bool of_left = !gcr_.has_stalled();
+    const bool of_left = gcr_.stalled() == 0;
     source_ = of_left ? left_ : product_;
     report.failure = find_direction();
     ++report.iterations;
     if (!report.failure.empty()) break;
     const double movement = rms(as_vectors(direction_));
     if (gcr_.step(direction_, product_, solution_, left_) == 0) break; // no further progress
-    stalled = gcr_.has_stalled() ? stalled + 1 : 0;
     is_solved = of_left && movement <= allowed_movement(goal) &&
                 strain(std::span(left_).subspan(3 * n)) <= goal.strain;
   }

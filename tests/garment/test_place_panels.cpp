@@ -42,8 +42,8 @@ TEST(PlacePanels, CloseTheGapInTheMeanAlongTheSeam) {
                                 "    edges: [{endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3], "
                                 "curvature: [0.5, 0.5]}, {endpoints: [3, 0]}]\n"
                                 "stitches: [[{panel: bodice, edge: 0}, {panel: skirt, edge: 2}]]\n");
-  const double deep =
-      0.05; // of the parabola; the mean along x is two thirds of it, that along the arc is less
+  // Of a parabola the mean along x is two thirds of how deep it is, that along the arc is less.
+  const double deep = 0.05;
   const double lower = places[1][1] + 0.4 - places[0][1];
   EXPECT_GT(lower, 0.5 * deep);
   EXPECT_LT(lower, 2.0 / 3.0 * deep);

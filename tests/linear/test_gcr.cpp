@@ -105,7 +105,7 @@ TEST(Gcr, GoesOnFromTheProductWhereItStalls) {
   for (const bool stalls : {true, false}) {
     std::vector<double> direction = of_rank(source), product = of_rank(turn * source);
     gcr.step(direction, product, x, r);
-    EXPECT_EQ(gcr.has_stalled(), stalls);
+    EXPECT_EQ(gcr.stalled() > 0, stalls);
     source = turn * source;
   }
   for (const double left : r) EXPECT_NEAR(left, 0, 1e-7);
