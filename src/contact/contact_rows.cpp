@@ -70,7 +70,8 @@ std::vector<ForeseenContact> ContactRows::foresee() {
   if (count_ > 0) recall();
   std::vector<ForeseenContact> foreseen;
   for (std::size_t k = 0; k < contacts_.size(); ++k)
-    foreseen.push_back({contacts_[k], records_[k]->impulse, to_undo(Local(k)), tilts_of(contacts_[k])});
+    foreseen.push_back(
+        {found_by_[k], contacts_[k], records_[k]->impulse, to_undo(Local(k)), tilts_of(contacts_[k])});
   return foreseen;
 }
 
@@ -109,6 +110,7 @@ void ContactRows::take(std::span<const ContactImpulse> impulses) {
 void ContactRows::find_contacts() {
   contacts_.clear();
   records_.clear();
+  found_by_.clear();
   unknown_.clear();
   ++round_;
   seen_.resize(scene_.search.pairs().size());
@@ -159,6 +161,7 @@ void ContactRows::add_contact(const Pair& pair, const Approach& here, Seen& seen
   contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key,
                        friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
   records_.push_back(&record);
+  found_by_.push_back(pair);
 }
 
 /// What is known of the contact that a pair is now: asked for by name only where its features are not those

@@ -128,6 +128,7 @@ private:
   Global count_ = 0;
   std::vector<Contact> contacts_;
   std::vector<ContactRecord*> records_; ///< of the contacts, into `known_`
+  std::vector<Pair> found_by_;          ///< of the contacts, until idle ones are dropped
   std::vector<ContactKey> unknown_;     ///< of the contacts: those that are there the first time in this step
   int round_ = 0;                       ///< of looking for contacts
   std::vector<ContactRow> rows_;

@@ -210,7 +210,8 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   if (!input.attachments.empty())
     forces.push_back(std::make_unique<Attachments>(cloth, obstacles, pattern, input, start));
   if (input.air) forces.push_back(std::make_unique<AirDrag>(cloth, *input.air));
-  if (input.contact_model() == config::ContactModel::constraint)
+  if (input.contact_model() == config::ContactModel::constraint &&
+      config::is_filter(input.inextensibility.method))
     forces.push_back(std::make_unique<CarriedContact>(cloth));
   if (input.contact_model() == config::ContactModel::penalty)
     forces.push_back(std::make_unique<PenaltySprings>(cloth, obstacles, input));

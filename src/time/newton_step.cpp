@@ -49,6 +49,10 @@ StepReport NewtonStep<Set>::propose(const State& state, double dt, Candidate& ca
   StepReport report;
   begin(start, candidate);
   if (contact_) report += contact_->foresee(start.state, dt, freedom_, candidate.velocities);
+  if (has_contacts()) {
+    stiffen();
+    contact_->foreseen().set_metric(metric());
+  }
   iterate(start, candidate, report);
   set_.finish(candidate);
   find_reaction(start.dt, candidate);
@@ -218,7 +222,6 @@ void NewtonStep<Set>::stiffen() {
 /// The same of contacts that press.
 template<ConstraintSetInNewton Set>
 void NewtonStep<Set>::hold_contacts() {
-  if (!contact_->foreseen().has_been_solved()) contact_->foreseen().set_metric(metric());
   assembly_.system().set_far(contact_->foreseen().couplings());
 }
 

@@ -193,7 +193,7 @@ TEST(NewtonStep, TubesComeToRestOnBodiesOfTriangles) {
     ASSERT_EQ(recorder.records.size(), 200u); // none rejected
     double kinetic = 0;
     for (std::size_t k = 150; k < 200; ++k) kinetic += recorder.records[k].energies.kinetic / 50;
-    EXPECT_LT(kinetic, 3e-6);
+    EXPECT_LT(kinetic, 1e-6);
   }
 }
 
@@ -214,22 +214,25 @@ TEST(NewtonStep, DoesNotThrowTrianglesOffABall) {
 }
 
 // A patch of cloth on a plane tilted by 20 degrees: held by friction above tan 20 = 0.364, else accelerated
-// by g (sin 20 - friction cos 20), over steps of implicit Euler.
+// by g (sin 20 - friction cos 20), over steps of implicit Euler. The same on a triangle, where contacts are
+// held by stiff springs: solved by halves, these brake it.
 TEST(NewtonStep, SticksAndSlidesOnASlope) {
   constexpr double g = 9.81, angle = 20 * M_PI / 180, h = 0.01;
   constexpr int steps = 60;
-  for (const double friction : {0.4, 0.2}) {
+  for (const auto& [friction, extent] :
+       {std::pair{0.4, ""}, {0.2, ""}, {0.4, ", reach: 5"}, {0.2, ", reach: 5"}}) {
     Simulation simulation(
-        world, case_of(fmt::format("cloth:\n"
-                                   "  grid: {{size: [0.2, 0.2], vertices: [5, 5]}}\n"
-                                   "  start: {{translate: [0, 0, 0.002]}}\n"
-                                   "  material: {{density: 0.2, bending: 1e-4, shear: 10}}\n"
-                                   "gravity: [{}, 0, {}]\n"
-                                   "obstacles: [{{plane: {{point: [0, 0, 0]}}, friction: {}}}]\n"
-                                   "contact: {{thickness: 2 mm}}\n"
-                                   "time: {{end: {}, frame_rate: 1, max_step: {}}}\n"
-                                   "inextensibility: {{method: newton}}\n",
-                                   g * std::sin(angle), -g * std::cos(angle), friction, steps * h, h)));
+        world,
+        case_of(fmt::format("cloth:\n"
+                            "  grid: {{size: [0.2, 0.2], vertices: [5, 5]}}\n"
+                            "  start: {{translate: [0, 0, 0.002]}}\n"
+                            "  material: {{density: 0.2, bending: 1e-4, shear: 10}}\n"
+                            "gravity: [{}, 0, {}]\n"
+                            "obstacles: [{{plane: {{point: [0, 0, 0]{}}}, friction: {}}}]\n"
+                            "contact: {{thickness: 2 mm}}\n"
+                            "time: {{end: {}, frame_rate: 1, max_step: {}}}\n"
+                            "inextensibility: {{method: newton}}\n",
+                            g * std::sin(angle), -g * std::cos(angle), extent, friction, steps * h, h)));
     Recorder recorder(simulation);
     run_to_the_end(simulation, recorder);
     ASSERT_EQ(recorder.records.size(), std::size_t(steps));
