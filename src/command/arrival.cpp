@@ -11,12 +11,32 @@ namespace taut::command {
 
 namespace {
 
+constexpr double round_off = 1e-9; // s
+
 double largest_speed(const Simulation& simulation) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   double largest = 0; // squared
   for (Local i = 0; i < mesh.vertices.owned; ++i)
     largest = std::max(largest, simulation.state().velocities[i].squaredNorm());
   return std::sqrt(max_over(mesh.comm, largest));
+}
+
+double last_of(const std::vector<config::Keyframe>& motion) {
+  return motion.empty() ? 0 : motion.back().time;
+}
+
+/// s, after which nothing that moves or holds the cloth changes any more.
+double last_change(const Case& input) {
+  double last = input.gravity.keyframes.back().time;
+  for (const config::Pin& pin : input.pins)
+    last = std::max({last, last_of(pin.motion), pin.release.value_or(0)});
+  for (const config::Attachment& a : input.attachments)
+    last = std::max({last, a.time, a.release.value_or(0)});
+  for (const config::Obstacle& o : input.obstacles) {
+    const double played = o.sequence ? (o.sequence->frames - 1) / o.sequence->fps : 0;
+    last = std::max({last, last_of(o.motion), played});
+  }
+  return last;
 }
 
 /// The name of the seam that has this vertex, by its number among all cloths.
@@ -36,7 +56,8 @@ bool has_arrived(const Case& input, const Simulation& simulation) {
   if (input.sewing)
     return widest_seam(simulation.cloth(), simulation.state(), *input.sewing).over_closed <= 1;
   if (simulation.obstacles().grow()) return has_grown(simulation.obstacles(), simulation.state());
-  return input.time.until_rest && largest_speed(simulation) <= *input.time.until_rest;
+  if (!input.time.until_rest || simulation.state().time <= last_change(input) + round_off) return false;
+  return largest_speed(simulation) <= *input.time.until_rest;
 }
 
 Outcome judge_seams(const Case& input, const Simulation& simulation) {

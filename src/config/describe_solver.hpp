@@ -19,7 +19,8 @@ void describe(V& v, Is<Time> auto& t) {
     {.unit = Unit::metre_per_second,
      .range = positive,
      .computed_default = "until end",
-     .meaning = "the run ends with the first frame at whose end no vertex is faster; at the latest at end"});
+     .meaning = "the run ends with the first frame at whose end no vertex is faster, once pins, attachments, "
+                "obstacles and gravity change no more; at the latest at end"});
   v("max_step", t.max_step, {.unit = Unit::second, .range = positive, .meaning = "longest time step"});
   v("min_step", t.min_step,
     {.unit = Unit::second, .range = positive, .meaning = "shortest time step that is tried"});

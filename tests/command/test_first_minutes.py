@@ -36,6 +36,11 @@ class FirstMinutes(running.Folder):
         out, _ = self.said("run", "case.yaml", "--out", "swings", "--set", "time.until_rest=1 mm/s", *SHORT)
         self.assertIn("; it has not come to rest", out)
 
+    def test_rest_waits_for_what_is_still_to_happen(self):
+        sets = ("time.end=0.3", "time.frame_rate=20", "time.until_rest=100 m/s", "pins=[{vertices: [0], release: 0.1}]")
+        out, _ = self.said("run", "case.yaml", "--out", "held", *(w for s in sets for w in ("--set", s)))
+        self.assertRegex(out, r"small: 0.15 s in \d+ steps")
+
     def test_ranks_are_those_of_mpirun(self):
         code, _, err = self.taut("run", "case.yaml", "--ranks", "4")
         self.assertEqual((code, err), (2, "taut: --ranks 4: not known here; ranks are what mpirun starts: mpirun -n 4 "
