@@ -53,8 +53,8 @@ void AugmentedContacts::begin(std::vector<ForeseenContact> contacts, double dt) 
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Contact& contact = contacts_[k].contact;
     impulses_.push_back(contacts_[k].carried);
-    wanted_.push_back(contact.violation +
-                      contact.normal.dot(between(k, contact.weights, scene_.target_field())));
+    const Vec3 apart = between(contact.vertices, contact.weights, scene_.target_field());
+    wanted_.push_back(contact.violation + contact.normal.dot(apart));
   }
   held_.clear();
   count_ = sum_over(scene_.cloth().mesh.comm, Global(contacts_.size()));
@@ -99,7 +99,7 @@ void AugmentedContacts::evaluate(std::span<const Vec3> velocities, std::span<Vec
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     add(k, contacts_[k].contact.weights, pressed(k, impulses_[k]));
   for (const auto& [k, weights, direction] : held_)
-    add(k, weights, dt_ * direction.dot(between(k, weights, field_)) * direction);
+    add(k, weights, dt_ * direction.dot(between(contacts_[k].contact.vertices, weights, field_)) * direction);
   search.accumulate(forces_);
   for (Local i = 0; i < search.own(); ++i) residual[i] += forces_[i];
 }
@@ -123,7 +123,8 @@ void AugmentedContacts::follow(std::span<const Vec3> velocities) {
     if (now.normal.dot(contact.normal) < turned) continue;
     contact.weights = now.weights;
     contact.normal = now.normal;
-    contact.violation = wanted_[k] - now.normal.dot(between(k, now.weights, scene_.target_field()));
+    const Vec3 apart = between(contact.vertices, now.weights, scene_.target_field());
+    contact.violation = wanted_[k] - now.normal.dot(apart);
   }
 }
 
@@ -134,17 +135,9 @@ std::vector<Vec3> AugmentedContacts::between_features(std::span<const Vec3> fiel
   std::copy_n(field.begin(), search.own(), field_.begin());
   search.update(field_);
   std::vector<Vec3> parting;
-  for (std::size_t k = 0; k < contacts_.size(); ++k)
-    parting.push_back(between(k, contacts_[k].contact.weights, field_));
+  for (const ForeseenContact& c : contacts_)
+    parting.push_back(between(c.contact.vertices, c.contact.weights, field_));
   return parting;
-}
-
-/// From the second feature of a contact to the first.
-Vec3 AugmentedContacts::between(std::size_t k, const std::array<double, 4>& weights,
-                                std::span<const Vec3> places) const {
-  Vec3 sum = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) sum += weights[i] * places[contacts_[k].contact.vertices[i]];
-  return sum;
 }
 
 /// m, of a cloth that stays where it is. What is hard has left little, and undoing it at once would throw the
@@ -186,7 +179,7 @@ double AugmentedContacts::step_length(std::span<const Vec3> change, double power
   const std::vector<Vec3> parting = between_features(change);
   double held = 0;
   for (const auto& [k, weights, direction] : held_)
-    held += std::pow(direction.dot(between(k, weights, field_)), 2);
+    held += std::pow(direction.dot(between(contacts_[k].contact.vertices, weights, field_)), 2);
   held = sum_over(scene_.cloth().mesh.comm, held);
   const double others = power_of_all - power(parting, 0);
   part_taken_ = where_spent([&](double part) { // 0 at 1 if no contact changes its kind

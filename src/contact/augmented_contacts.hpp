@@ -89,7 +89,6 @@ private:
   Vec3 pressed(std::size_t contact, const ContactImpulse& impulse) const;
   double power(std::span<const Vec3> change, double part) const;
   std::vector<Vec3> between_features(std::span<const Vec3> field);
-  Vec3 between(std::size_t contact, const std::array<double, 4>& weights, std::span<const Vec3> places) const;
   void hold(std::size_t contact);
   void add_rolling(std::vector<Term>& terms) const;
 

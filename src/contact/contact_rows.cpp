@@ -85,9 +85,8 @@ Tilts ContactRows::tilts_of(const Contact& contact) const {
     if (contact.weights[i] != 0 && scene_.is_cloth(contact.vertices[i])) corners.push_back(i);
   if (corners.size() < 2) return tilts;
   const auto x = [&](int i) -> const Vec3& { return safe_.field()[contact.vertices[i]]; };
-  Vec3 between = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) between += contact.weights[i] * x(i);
-  const double root = std::sqrt(std::max(0.0, contact.normal.dot(between)));
+  const Vec3 apart = between(contact.vertices, contact.weights, safe_.field());
+  const double root = std::sqrt(std::max(0.0, contact.normal.dot(apart)));
   const Vec3 along = x(corners[1]) - x(corners[0]), first = along.normalized();
   tilts[0][corners[0]] = -root / along.norm();
   tilts[0][corners[1]] = root / along.norm();
@@ -126,9 +125,7 @@ void ContactRows::find_contacts() {
 
 /// The gap at other positions, as far as the features keep their direction.
 double ContactRows::gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const {
-  Vec3 between = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) between += here.weights[i] * field[pair.vertices[i]];
-  return here.normal.dot(between) - pair.radius;
+  return here.normal.dot(between(pair.vertices, here.weights, field)) - pair.radius;
 }
 
 double ContactRows::gap_wanted(const Pair& pair, const Approach& here) const {

@@ -36,6 +36,14 @@ inline Four at(const Pair& pair, std::span<const Vec3> field) {
   return {field[v[0]], field[v[1]], field[v[2]], field[v[3]]};
 }
 
+/// sum_i weights[i] x_i in a field: of positions, from the second of two features to the first.
+inline Vec3 between(const std::array<Local, 4>& vertices, const std::array<double, 4>& weights,
+                    std::span<const Vec3> field) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < 4; ++i) sum += weights[i] * field[vertices[i]];
+  return sum;
+}
+
 /// The fastest that any vertex of one feature comes towards any of the other along `normal` if the vertices
 /// move by `u`; negative if all recede.
 double closing_speed(const Pair& pair, const Four& u, const Vec3& normal);

@@ -127,9 +127,7 @@ std::vector<ImpulseContact::Impact> ImpulseContact::meetings(Zone& zone) const {
 
 /// How far the features of an impact part, m.
 Vec3 ImpulseContact::parting(const Impact& impact) const {
-  Vec3 sum = Vec3::Zero();
-  for (int i = 0; i < 4; ++i) sum += impact.weights[i] * displacement_[impact.vertices[i]];
-  return sum;
+  return between(impact.vertices, impact.weights, displacement_);
 }
 
 /// Impulses on all of them at once.
@@ -173,9 +171,8 @@ void ImpulseContact::part_all(const Zone& zone) {
     std::fill(field.begin() + scene_.search.own(), field.begin() + scene_.search.home(), Vec3::Zero());
     scene_.search.update(field);
     for (std::size_t k = 0; k < n; ++k) {
-      Vec3 sum = Vec3::Zero();
-      for (int i = 0; i < 4; ++i) sum += impacts[k].weights[i] * field[impacts[k].vertices[i]];
-      result[k] = impacts[k].direction.dot(sum) + compliance * impacts[k].inverse_effective_mass * z[k];
+      const Vec3 apart = between(impacts[k].vertices, impacts[k].weights, field);
+      result[k] = impacts[k].direction.dot(apart) + compliance * impacts[k].inverse_effective_mass * z[k];
     }
   };
   const auto precondition = [&](std::span<const double> r, std::span<double> s) {

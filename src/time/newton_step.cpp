@@ -49,10 +49,7 @@ StepReport NewtonStep<Set>::propose(const State& state, double dt, Candidate& ca
   StepReport report;
   begin(start, candidate);
   if (contact_) report += contact_->foresee(start.state, dt, freedom_, candidate.velocities);
-  if (has_contacts()) {
-    stiffen();
-    contact_->foreseen().set_metric(metric());
-  }
+  find_resistance();
   iterate(start, candidate, report);
   set_.finish(candidate);
   find_reaction(start.dt, candidate);
@@ -72,9 +69,17 @@ void NewtonStep<Set>::begin(const StepStart& start, Candidate& candidate) {
   if (options_.carried_tension) candidate.multipliers.force_density = start.state.multipliers.force_density;
   set_.start(start.state, start.dt, freedom_, candidate);
   keep_violation(start);
-  if (!triangles_) return;
+}
+
+/// How hard contacts and triangles are, from the system with the tension that the step begins with.
+template<ConstraintSetInNewton Set>
+void NewtonStep<Set>::find_resistance() {
+  if (!triangles_ && !has_contacts()) return;
+  const PhaseScope phase(Phase::velocity);
   stiffen();
-  triangles_->begin(metric());
+  const std::vector<double> inverse = metric();
+  if (triangles_) triangles_->begin(inverse);
+  if (has_contacts()) contact_->foreseen().set_metric(inverse);
 }
 
 /// A step that is short all of a sudden need not correct at once what long ones have left: vertices would be
@@ -153,7 +158,7 @@ bool NewtonStep<Set>::solve(double dt, double unit, Candidate& candidate, StepRe
   constexpr double steps = 2; // in which it moves as far; with 3 what rests loses it (src/newton/README.md)
   constexpr double still = 1e-3; // of the unit: what stands still
   stiffen();
-  if (has_contacts()) hold_contacts();
+  if (has_contacts()) assembly_.system().set_far(contact_->foreseen().couplings());
   if (triangles_) assembly_.system().set_near(triangles_->terms(candidate.positions));
   solver_.factor(stiffness_);
   const double part = part_of_limit * options_.residual;
@@ -217,12 +222,6 @@ void NewtonStep<Set>::stiffen() {
     for (const EdgeEnd& end : cloth_.mesh.star_of(i))
       assembly_.system().stiffen(i, *slot++, weights_[end.edge] - added_[end.edge]);
   std::swap(weights_, added_);
-}
-
-/// The same of contacts that press.
-template<ConstraintSetInNewton Set>
-void NewtonStep<Set>::hold_contacts() {
-  assembly_.system().set_far(contact_->foreseen().couplings());
 }
 
 /// Inverse, of the system as it is, 1/kg of local vertices, 0 if held.

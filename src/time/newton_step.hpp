@@ -62,7 +62,7 @@ private:
   void stiffen();
   bool has_contacts() const { return contact_ && contact_->foreseen().count() > 0; }
   std::vector<double> metric() const;
-  void hold_contacts();
+  void find_resistance();
   void shorten_change();
   void find_reaction(double dt, Candidate& candidate) const;
   void correct(const StepStart& start, Candidate& candidate, StepReport& report);
