@@ -1,7 +1,6 @@
 #include "src/command/sewing_cases.hpp"
 
 #include "src/config/methods.hpp"
-#include "src/state/resolve.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,8 +92,8 @@ Case with_meshes(Case input, std::span<const fs::path> meshes) {
 
 config::InextensibilityMethod seam_method(const Case& input, Global vertices) {
   using enum config::InextensibilityMethod;
-  return config::newton_knows_contact(input) && vertices <= most_vertices_to_factor ? newton
-                                                                                    : fast_projection;
+  constexpr Global most = 20000; // beyond, steps of ten solves and more are dear
+  return config::newton_knows_contact(input) && vertices <= most ? newton : fast_projection;
 }
 
 void fill_in(Case& input, std::span<const double> shortest) {

@@ -61,6 +61,7 @@ Relaxed relax(Simulation& simulation, const Case& input) {
     return simulation.relax();
   Case by_projection = input;
   by_projection.inextensibility.method = config::InextensibilityMethod::fast_projection;
+  by_projection.inextensibility.solver.reset(); // Newton's: no other method factors triangles beside quads
   Simulation projecting(simulation.cloth().mesh.comm, by_projection);
   State start = projecting.state(), end = simulation.state();
   start.positions = end.positions;

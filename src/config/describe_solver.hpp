@@ -102,7 +102,7 @@ void describe(V& v, Is<Inextensibility> auto& i) {
          "with constrain: vertices and method fast_projection, or newton and contact: largest strain of "
          "single triangles along warp and weft, over `strain`"});
   v("solver", i.solver,
-    {.computed_default = "cg; mumps with method newton on meshes with triangles of at most 20 000 vertices",
+    {.computed_default = "cg; mumps with method newton on meshes with triangles of at most 100 000 vertices",
      .meaning = "linear solver of a projection or of Newton's method: iterative, or MUMPS (direct)"});
   v("max_iterations", i.max_iterations, {.range = at_least(1), .meaning = "most projections in a step"});
   v("residual", i.residual,

@@ -13,10 +13,11 @@ namespace {
 
 constexpr double row_tolerance = 0.03; // see README.md
 constexpr int most_row_steps = 100;
-constexpr int most_with_old_factor = 8; // iterations
-constexpr int most_stalled = 20;        // iterations in a row, after which there is no solution
-constexpr double told_apart = 1e-8;     // of what rows yield, far below what a step asks for
-constexpr double part_of_way = 1e-3;    // of what starts from rest; less is lost in what turns
+constexpr int most_with_old_factor = 8;        // iterations
+constexpr int most_with_old_factor_untold = 3; // whatever their rate
+constexpr int most_stalled = 20;               // iterations in a row, after which there is no solution
+constexpr double told_apart = 1e-8;            // of what rows yield, far below what a step asks for
+constexpr double part_of_way = 1e-3;           // of what starts from rest; less is lost in what turns
 
 double total_mass(const Cloth& cloth) {
   double sum = 0;
@@ -54,9 +55,14 @@ void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
 }
 
+/// With a, and a little of what rows yield: those that depend on each other have no factor without.
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::renew_factor() {
-  factor_->factor(*stiffness_, set_.gradients(), told_apart_compliance());
+  const auto a = set_.program_compliance();
+  const auto weights = std::span(weights_).last(a.size());
+  yielding_.resize(a.size());
+  for (std::size_t row = 0; row < a.size(); ++row) yielding_[row] = a[row] + told_apart / weights[row];
+  factor_->factor(*stiffness_, set_.gradients(), yielding_);
   age_ = Age::current;
 }
 
@@ -87,7 +93,6 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
   SolveReport report;
   for (bool is_solved = false;
        !is_solved && report.iterations < max_iterations && gcr_.stalled() < most_stalled;) {
-    if (factor_ && age_ == Age::old && report.iterations == most_with_old_factor) renew_factor();
     const bool of_left = gcr_.stalled() == 0;
     source_ = of_left ? left_ : product_;
     report.failure = find_direction();
@@ -95,8 +100,9 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
     if (!report.failure.empty()) break;
     const double movement = rms(as_vectors(direction_));
     if (gcr_.step(direction_, product_, solution_, left_) == 0) break; // no further progress
-    is_solved = of_left && movement <= allowed_movement(goal) &&
-                strain(std::span(left_).subspan(3 * n)) <= goal.strain;
+    const double allowed = allowed_movement(goal);
+    is_solved = of_left && movement <= allowed && strain(std::span(left_).subspan(3 * n)) <= goal.strain;
+    if (factor_ && age_ == Age::old && !is_solved && !serves(report, movement, allowed)) renew_factor();
   }
   std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
   cloth_.mesh.vertex_halo.update(dx);
@@ -128,13 +134,14 @@ double NewtonSolver<Set>::allowed_movement(const Goal& goal) {
   return std::clamp(part_of_way * way, goal.least, goal.most);
 }
 
-/// a, and a little of what rows yield: those that depend on each other have no factor without. As
-/// `find_metric` left what they yield; the result is in `rows_`.
+/// Whether a factor of an earlier matrix is worth keeping: at the rate so far, few iterations suffice.
 template<ConstraintSetInNewton Set>
-std::span<const double> NewtonSolver<Set>::told_apart_compliance() {
-  const auto a = set_.program_compliance();
-  for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] = a[row] + told_apart * rows_[row];
-  return rows_;
+bool NewtonSolver<Set>::serves(const SolveReport& report, double movement, double allowed) {
+  if (report.iterations == 1) first_movement_ = movement;
+  if (report.iterations < most_with_old_factor_untold) return true;
+  const double rate = std::pow(movement / first_movement_, 1.0 / (report.iterations - 1));
+  return rate < 1 &&
+         report.iterations + std::log(allowed / movement) / std::log(rate) <= most_with_old_factor;
 }
 
 /// The largest of the linearised constraints, in parts of the strain limit.

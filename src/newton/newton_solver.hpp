@@ -1,6 +1,6 @@
 #pragma once
+#include "src/linear/condensed_factor.hpp"
 #include "src/linear/gcr.hpp"
-#include "src/linear/saddle_point_factor.hpp"
 #include "src/newton/coarse_system.hpp"
 #include "src/state/cloth.hpp"
 
@@ -12,7 +12,7 @@ namespace taut {
 ///     [ J  -a  ] [ dmu ] = - [ c ],
 ///
 /// with the stiffness H of the step, that of tension included, and a set of constraints; by the generalised
-/// conjugate residual method (Gcr). It is preconditioned by the system's factor (`mumps`, SaddlePointFactor),
+/// conjugate residual method (Gcr). It is preconditioned by the system's factor (`mumps`, CondensedFactor),
 /// which is nearly exact but where contacts press, or (`cg`) by what
 ///
 /// 1. solves the system on a coarse grid (CoarseSystem): displacements and tensions that reach far;
@@ -41,8 +41,8 @@ public:
   /// Forgets what earlier steps left: the next matrix is factored anew.
   void begin_step() { age_ = Age::none; }
 
-  /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, until a solve
-  /// takes many iterations with it.) Collective.
+  /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, as long as solves
+  /// take few iterations with it.) Collective.
   void factor(const FilteredOperator& stiffness);
 
   /// `r` over owned vertices, in kg m; `c` over owned rows, as the set's residual. `dx` (local, ghosts
@@ -65,7 +65,7 @@ private:
   double strain(std::span<const double> c) const;
   void find_metric();
   void renew_factor();
-  std::span<const double> told_apart_compliance();
+  bool serves(const SolveReport& report, double movement, double allowed);
   std::string find_direction();
   void precondition();
   void begin_product();
@@ -80,20 +80,22 @@ private:
   Set& set_;
   std::vector<RowEdge> row_edges_;
   VertexMultigrid grids_;
-  std::optional<CoarseSystem> coarse_;      ///< of these two one
-  std::optional<SaddlePointFactor> factor_; ///< of the system for (dx, -dmu)
+  std::optional<CoarseSystem> coarse_;    ///< of these two one
+  std::optional<CondensedFactor> factor_; ///< of the system for (dx, -dmu)
   Gcr gcr_;
   enum class Age {
     none,
     old,
     current
-  } age_ = Age::none; ///< of the factor: old if of another matrix of this step
+  } age_ = Age::none;         ///< of the factor: old if of another matrix of this step
+  double first_movement_ = 0; ///< of a solve, m
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,
   // then the rows.
   std::vector<double> solution_, left_, source_, direction_, product_, weights_;
   std::vector<double> metric_;              ///< W, of local vertices
+  std::vector<double> yielding_;            ///< a of owned rows, as in the factor
   std::vector<double> tolerance_, rows_;    ///< of owned rows; rows_: room
   std::array<std::vector<double>, 4> room_; ///< of owned rows, for conjugate gradients
   std::vector<Vec3> x_, y_, nodes_, start_; ///< room: local vertices, nodes of the coarse grid

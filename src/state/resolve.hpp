@@ -4,7 +4,7 @@
 namespace taut {
 
 /// Up to which the factor of Newton's whole system is the default on meshes with triangles.
-inline constexpr Global most_vertices_to_factor = 20000;
+inline constexpr Global most_vertices_to_factor = 100000;
 
 /// What a case leaves to the mesh, decided once.
 struct Resolved {
