@@ -89,15 +89,15 @@ Stretch::Stretch(const Cloth& cloth, const Pattern& pattern, const PerSection<St
   for (const Tangent& t : tangents_of(cloth))
     if (const auto& m = material.of(cloth.section_of(cloth.mesh.cell_originals[t.cell])))
       elements_.push_back({t.stencil, m->stiffness[t.direction] * t.measure, m->target[t.direction],
-                           m->damping, pattern.slots<3>(t.stencil.vertices)});
+                           m->damping, m->compression, pattern.slots<3>(t.stencil.vertices)});
 }
 
 double Stretch::energy(const State& state) const {
   double energy = 0;
   for (const Element& e : elements_) {
     if (!cloth_.mesh.owns_vertex(e.tangent.vertices[0])) continue;
-    const double stretch = tangent(e.tangent, state.positions).norm() - e.target;
-    energy += 0.5 * e.stiffness * stretch * stretch;
+    const double length = tangent(e.tangent, state.positions).norm(), stretch = length - e.target;
+    energy += 0.5 * e.stiffness_at(length) * stretch * stretch;
   }
   return energy;
 }
@@ -110,15 +110,15 @@ void Stretch::add_to(StepSystem& system, const State& state) {
     const double length = w.norm();
     if (length == 0) continue; // without a direction: nowhere to push
     const Vec3 direction = w / length;
-    const double tension = e.stiffness * (length - e.target),
-                 drag = e.damping * e.stiffness * direction.dot(tangent(e.tangent, state.velocities));
+    const double stiffness = e.stiffness_at(length), tension = stiffness * (length - e.target),
+                 drag = e.damping * stiffness * direction.dot(tangent(e.tangent, state.velocities));
     for (int k = 0; k < 3; ++k) system.add_force(v[k], -tension * c[k] * direction);
     // k n n^T + across (I - n n^T), n the direction, as across I + (k - across) n n^T.
-    const double across = std::clamp((tension + drag) / length, 0.0, e.stiffness);
+    const double across = std::clamp((tension + drag) / length, 0.0, stiffness);
     system.add_outer<3>(e.tangent.vertices, e.slots, c, across, 0.0);
     system.add_rank_one(std::array<Local, 4>{v[0], v[1], v[2], v[0]},
                         {c[0] * direction, c[1] * direction, c[2] * direction, Vec3::Zero()},
-                        e.stiffness - across, e.damping * e.stiffness);
+                        stiffness - across, e.damping * stiffness);
   }
 }
 

@@ -18,6 +18,7 @@ struct StretchMaterial {
   Vec2 stiffness = Vec2::Zero(); ///< of warp and weft, N/m; N on a line
   Vec2 target = Vec2::Ones();    ///< b_u, b_v [BW98 section 4.2]
   double damping = 0;            ///< stiffness-proportional, s
+  double compression = 1;        ///< part of the stiffness that there is where |w| < b
 };
 
 /// Stretch of warp and weft [BW98 section 4.2]: E = k/2 C^2 with C = sqrt(a) (|w| - b), where a is the part
@@ -45,7 +46,10 @@ private:
     double stiffness; ///< k a
     double target;    ///< b
     double damping;   ///< s
+    double compression;
     Pattern::Slots<3> slots;
+
+    double stiffness_at(double length) const { return length < target ? compression * stiffness : stiffness; }
   };
 
   const Cloth& cloth_;

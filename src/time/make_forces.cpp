@@ -178,14 +178,20 @@ void add_shear(const Cloth& cloth, const Pattern& pattern, const Case& input, Fo
     forces.push_back(std::make_unique<DiagonalSprings>(cloth, pattern, diagonals, damping));
 }
 
-void add_stretch(const Cloth& cloth, const Pattern& pattern, const Resolved& resolved, Forces& forces) {
+/// While it is sewn, an edge that is gathered becomes up to half as long as cut, where seams pull with all
+/// their force: the cloth beside it folds more finely than the mesh can.
+double compression_of(const Case& input) { return input.sewing ? 2 * input.inextensibility.strain : 1.0; }
+
+void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, const Resolved& resolved,
+                 Forces& forces) {
   std::vector<std::optional<StretchMaterial>> materials;
   for (std::size_t s = 0; s < cloth.sections.size(); ++s) {
     const Material& m = cloth.material_of(cloth.sections[s]);
     const Vec2& k = resolved.stretch[s];
-    materials.push_back(k.maxCoeff() > 0
-                            ? std::optional(StretchMaterial{k, m.stretch_target, m.damping.stiffness})
-                            : std::nullopt);
+    materials.push_back(
+        k.maxCoeff() > 0
+            ? std::optional(StretchMaterial{k, m.stretch_target, m.damping.stiffness, compression_of(input)})
+            : std::nullopt);
   }
   if (const PerSection<StretchMaterial> of_sections(std::move(materials)); of_sections.any())
     forces.push_back(std::make_unique<Stretch>(cloth, pattern, of_sections));
@@ -201,7 +207,7 @@ Forces make_forces(const Cloth& cloth, const Obstacles& obstacles, const Pattern
   add_bending(cloth, pattern, input, forces);
   add_twist(cloth, pattern, forces);
   add_shear(cloth, pattern, input, forces);
-  add_stretch(cloth, pattern, resolved, forces);
+  add_stretch(cloth, pattern, input, resolved, forces);
   if (input.inextensibility.method == config::InextensibilityMethod::springs)
     forces.push_back(std::make_unique<Springs>(
         cloth, pattern, input.inextensibility.springs.value_or(config::Springs{}).stiffness,

@@ -42,7 +42,7 @@ public:
   /// Collective.
   Relaxed relax();
   double strain_over_limit() const; ///< the largest, of single triangles over theirs too; 0 without limit
-  static constexpr double most_strain_of_start = 0.5;
+  static constexpr double most_strain_of_start = 0.6;
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Returns what it took. Collective.

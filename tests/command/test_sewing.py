@@ -22,6 +22,21 @@ stitches:
   - [{panel: front, edge: 1}, {panel: back, edge: 3}]
   - [{panel: front, edge: 3}, {panel: back, edge: 1}]
 """
+GATHERED = """\
+panels:
+  front: {translation: [0, 0.4, 0.1], vertices: [[-0.1, 0], [0.1, 0], [0.1, 0.15], [-0.1, 0.15]], edges: &edges [
+    {endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3]}, {endpoints: [3, 0]}]}
+  back: {translation: [0, 0.4, -0.1], vertices: [[0.1, 0], [-0.1, 0], [-0.1, 0.15], [0.1, 0.15]], edges: *edges}
+  skirt_front: {translation: [0, 0, 0.12], vertices: [[-0.2, 0], [0.2, 0], [0.2, 0.4], [-0.2, 0.4]], edges: *edges}
+  skirt_back: {translation: [0, 0, -0.12], vertices: [[0.2, 0], [-0.2, 0], [-0.2, 0.4], [0.2, 0.4]], edges: *edges}
+stitches:
+  - [{panel: skirt_front, edge: 2}, {panel: front, edge: 0}]
+  - [{panel: skirt_back, edge: 2}, {panel: back, edge: 0}]
+  - [{panel: front, edge: 1}, {panel: back, edge: 3}]
+  - [{panel: front, edge: 3}, {panel: back, edge: 1}]
+  - [{panel: skirt_front, edge: 1}, {panel: skirt_back, edge: 3}]
+  - [{panel: skirt_front, edge: 3}, {panel: skirt_back, edge: 1}]
+"""
 CASE = """\
 name: tube
 cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton, panels: {back: {fabric: denim}}}
@@ -194,6 +209,18 @@ class Sewing(Temporary):
         self.assertEqual(code, 3)
         self.assertRegex(err, r"seam front\.[13]-back\.[13] is still open by [0-9.]+ mm "
                               r"at \([-0-9.e]+, [-0-9.e]+, [-0-9.e]+\) m")
+
+    # An edge that keeps its length stands in zigzags about the one that it is gathered to.
+    def test_edges_are_gathered_to_half_their_length(self):
+        (self.folder / "gathered.yaml").write_text(GATHERED)
+        (self.folder / "gathered-case.yaml").write_text(
+            "cloth: {pattern: gathered.yaml, edge: 3 cm, fabric: cotton}\nsewing: {}\n"
+            "contact: {thickness: 0.5 mm, check: step}\ntime: {end: 0.04, frame_rate: 25}\n")
+        code, _, err = self.taut("run", "gathered-case.yaml", "--out", "gathered")
+        self.assertEqual((code, err), (0, ""))
+        for run in (self.folder / "gathered/sewing", self.folder / "gathered"):
+            self.assertEqual(Run(run).summary["status"], "completed")
+        self.assertLess(Run(self.folder / "gathered/sewing").summary["end_time"], 4)  # of 6 s, the limit
 
     def test_uneven_seams_are_warned_of_before_anything_is_sewn(self):
         (self.folder / "long.yaml").write_text(PATTERN.replace("0.2]", "0.45]", 2))

@@ -9,7 +9,7 @@ using namespace taut::test;
 
 namespace {
 
-const StretchMaterial elastic{{90, 60}, {1.05, 0.9}, 0.0};
+const StretchMaterial elastic{{90, 60}, {1.05, 0.9}, 0.0, 0.4};
 
 std::unique_ptr<Force> stretch(const Bed& b) {
   return std::make_unique<Stretch>(b.cloth, b.pattern, elastic);
@@ -47,8 +47,8 @@ Dense left_out_of_stretch(const Bed& bed, const WholeState& whole) {
   Dense all = Dense::Zero(3 * mesh.vertices.total, 3 * mesh.vertices.total);
   for (const Tangent& t : tangents_of(bed.cloth)) {
     const Vec3 w = tangent(t.stencil, state.positions), n = w.normalized();
-    const double tension =
-        elastic.stiffness[t.direction] * t.measure * (w.norm() - elastic.target[t.direction]);
+    const double tension = elastic.compression * elastic.stiffness[t.direction] * t.measure *
+                           (w.norm() - elastic.target[t.direction]);
     if (tension < 0)
       add_block(mesh, t.stencil.vertices, t.stencil.c,
                 tension / w.norm() * (Mat3::Identity() - n * n.transpose()), all);
