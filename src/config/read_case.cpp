@@ -79,10 +79,18 @@ M initial_material(const Tree& cloth) {
   return material;
 }
 
+/// Whether a cloth is a garment.
+bool has_pattern(const Tree& root) {
+  const Entry *one = root.find("cloth"), *several = root.find("cloths");
+  const auto is_garment = [](const Tree& cloth) { return cloth.find("pattern") != nullptr; };
+  return (one && is_garment(one->value)) ||
+         (several && std::any_of(several->value.items.begin(), several->value.items.end(), is_garment));
+}
+
 /// Whether a garment is to be worn until it rests.
 bool wants_garment_at_rest(const Tree& root) {
-  const Entry *cloth = root.find("cloth"), *time = root.find("time");
-  return cloth && cloth->value.find("pattern") && time && time->value.find("until_rest");
+  const Entry* time = root.find("time");
+  return has_pattern(root) && time && time->value.find("until_rest");
 }
 
 /// The method that stands before its key is read: Newton's, unless something asks for what it does not do, or

@@ -92,6 +92,10 @@ TEST(Config, MethodsAreNewtonsUnlessTheCaseAsksForMore) {
   const std::string garment = "cloth: {pattern: shirt.json, edge: 0.01}\ncontact: {}\n";
   EXPECT_EQ(read(garment + "time: {end: 5}").inextensibility.method, fast_projection);
   EXPECT_EQ(read(garment + "time: {end: 5, until_rest: 0.01}").inextensibility.method, newton);
+  const std::string two = "cloths: [{grid: {size: [1, 1], vertices: [3, 3]}}, {pattern: shirt.json, edge: "
+                          "0.01}]\ncontact: {}\n";
+  EXPECT_EQ(read(two + "time: {end: 5}").inextensibility.method, fast_projection);
+  EXPECT_EQ(read(two + "time: {end: 5, until_rest: 0.01}").inextensibility.method, newton);
   EXPECT_EQ(method_of("contact: {model: none}\nobstacles: [{sphere: {centre: [0, 0, -1], radius: 0.5}}]"),
             newton);
   EXPECT_EQ(method_of("contact: {}\ninextensibility: {method: newton}"), newton);
