@@ -60,8 +60,12 @@ void Reader::fail_missing(std::string_view name, const Key& key) const {
 
 namespace {
 
+/// That of the file, or of the folder of a case.yaml: where it is, not how the path calls it.
 std::string default_name(const std::filesystem::path& file) {
-  const std::string folder = file.parent_path().filename().string(), stem = file.stem().string();
+  std::error_code failed; // without a working folder, or without a name
+  const std::filesystem::path whole = std::filesystem::absolute(file, failed).lexically_normal();
+  const std::filesystem::path& place = failed ? file : whole;
+  const std::string folder = place.parent_path().filename().string(), stem = place.stem().string();
   return stem != "case" || folder.empty() || folder == "." || folder == ".." ? stem : folder;
 }
 

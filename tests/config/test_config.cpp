@@ -4,6 +4,7 @@
 #include "src/config/fabrics.hpp"
 #include "src/config/units.hpp"
 
+#include <filesystem>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -110,6 +111,13 @@ TEST(Config, NameComesFromTheFolder) {
   EXPECT_EQ(read_case(grid, "drape.yaml").name, "drape");
   EXPECT_EQ(read_case(grid, "./drape.yaml").name, "drape");
   EXPECT_EQ(read_case(grid + "name: other", "cases/drape/case.yaml").name, "other");
+  const std::string here = std::filesystem::current_path().filename().string();
+  EXPECT_EQ(read_case(grid, "case.yaml").name, here);
+  EXPECT_EQ(read_case(grid, "./case.yaml").name, here);
+  EXPECT_EQ(read_case(grid, "drape/../case.yaml").name, here);
+  EXPECT_EQ(read_case(grid, "cases/./drape//case.yaml").name, "drape");
+  EXPECT_EQ(read_case(grid, "/case.yaml").name, "case");
+  EXPECT_NO_THROW(read_case(grid + "name: other", ""));
 }
 
 TEST(Config, ReadsEveryKey) {
