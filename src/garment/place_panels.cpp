@@ -76,33 +76,89 @@ void close_up(SewingPattern& pattern) {
   for (Eigen::Index p = 0; p < n; ++p) pattern.panels[p].translation[1] += shifts[p];
 }
 
+bool is_between(const Seam& seam, int one, int two) {
+  const int a = seam.sides[0].panel, b = seam.sides[1].panel;
+  return (a == one && b == two) || (a == two && b == one);
+}
+
 bool are_sewn(const SewingPattern& pattern, int one, int two) {
-  return std::any_of(pattern.seams.begin(), pattern.seams.end(), [&](const Seam& seam) {
-    const int a = seam.sides[0].panel, b = seam.sides[1].panel;
-    return (a == one && b == two) || (a == two && b == one);
+  return std::any_of(pattern.seams.begin(), pattern.seams.end(),
+                     [&](const Seam& seam) { return is_between(seam, one, two); });
+}
+
+std::vector<Vec3> places_along(const SewingPattern& pattern, const SeamSide& side) {
+  const Panel& panel = pattern.panels[side.panel];
+  std::vector<Vec3> places;
+  for (const Vec2& p : points_of(panel.edges[side.edge].curve)) places.push_back(place_of(panel, p));
+  return places;
+}
+
+/// Points of seams between two panels, of which both sides are at one place, to within `near` (m).
+std::vector<Vec3> closed_places(const SewingPattern& pattern, int one, int two, double near) {
+  std::vector<Vec3> closed;
+  for (const Seam& seam : pattern.seams) {
+    if (!is_between(seam, one, two)) continue;
+    const auto first = places_along(pattern, seam.sides[0]);
+    auto second = places_along(pattern, seam.sides[1]);
+    if (seam.direction == SeamDirection::start_to_end) std::reverse(second.begin(), second.end());
+    for (int i = 0; i <= pieces; ++i)
+      if ((first[i] - second[i]).norm() < near) closed.push_back(first[i]);
+  }
+  return closed;
+}
+
+/// In the plane of a panel, and from it.
+Vec3 seen_from(const Panel& panel, const Vec3& x) {
+  return panel.rotation.transpose() * (x - panel.translation);
+}
+
+Ring ring_of(const Panel& panel, std::span<const Vec3> outline) {
+  Ring ring;
+  for (const Vec3& x : outline) ring.push_back(seen_from(panel, x).head<2>());
+  return ring;
+}
+
+constexpr double touching = 0.1; ///< of `apart`: what curves that are cut into pieces have in common
+
+/// Whether the outline of one panel touches another elsewhere than where it is closed. That counts as an
+/// intersection, even where a seam goes along, when it is gathered: what belongs together is not at one
+/// place.
+bool touches_unclosed(const SewingPattern& pattern, int p, int q, double apart) {
+  const double near = touching * apart;
+  const Panel &one = pattern.panels[p], &two = pattern.panels[q];
+  const Ring ring = ring_of(two, outline_of(two));
+  const auto closed = closed_places(pattern, p, q, near);
+  const auto outline = outline_of(one);
+  return std::any_of(outline.begin(), outline.end(), [&](const Vec3& x) {
+    const auto is_beside = [&](const Vec3& c) { return (x - c).norm() < 0.5 * apart; }; // a corner
+    if (std::any_of(closed.begin(), closed.end(), is_beside)) return false;
+    const Vec3 seen = seen_from(two, x);
+    if (std::abs(seen[2]) >= near) return false;
+    return std::hypot(seen[2], distance_between(ring, Vec2(seen.head<2>()))) < near;
   });
 }
 
-/// Whether they are parallel and in each other's way: nearer than `apart`, or, if they are sewn together and
-/// so may touch, one on the other.
-bool are_in_the_way(const SewingPattern& pattern, int p, int q, double apart) {
+/// Whether they are parallel and in each other's way: nearer than `apart`, or, if they are sewn together,
+/// one on the other.
+bool lie_on_each_other(const SewingPattern& pattern, int p, int q, double apart) {
   constexpr double parallel = 0.999; // cosine
-  constexpr double touching = 0.1; // of `apart`, squared: what curves that are cut into pieces have in common
   const Panel &one = pattern.panels[p], &two = pattern.panels[q];
   if (std::abs(one.rotation.col(2).dot(two.rotation.col(2))) < parallel) return false;
-  std::array<Ring, 2> rings;
+  const auto outline = outline_of(two);
   double nearest = HUGE_VAL; // m, from the plane of the one
-  for (const Vec3& x : outline_of(two)) {
-    const Vec3 in_plane = one.rotation.transpose() * (x - one.translation);
-    rings[1].push_back(in_plane.head<2>());
-    nearest = std::min(nearest, std::abs(in_plane[2]));
-  }
+  for (const Vec3& x : outline) nearest = std::min(nearest, std::abs(seen_from(one, x)[2]));
   constexpr double almost = 0.99; // where it was moved to
   if (nearest >= almost * apart) return false;
-  for (const Vec3& x : outline_of(one))
-    rings[0].push_back((one.rotation.transpose() * (x - one.translation)).head<2>());
+  const Ring rings[] = {ring_of(one, outline_of(one)), ring_of(one, outline)};
   return are_sewn(pattern, p, q) ? common_area(rings[0], rings[1]) > std::pow(touching * apart, 2)
                                  : distance_between(rings[0], rings[1]) < apart;
+}
+
+bool are_in_the_way(const SewingPattern& pattern, int p, int q, double apart) {
+  if (are_sewn(pattern, p, q) &&
+      (touches_unclosed(pattern, p, q, apart) || touches_unclosed(pattern, q, p, apart)))
+    return true;
+  return lie_on_each_other(pattern, p, q, apart);
 }
 
 Vec3 middle_of(std::span<const Panel> panels) {

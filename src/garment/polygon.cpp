@@ -93,6 +93,15 @@ double distance_between(const Ring& one, const Ring& two) {
   return distance;
 }
 
+double distance_between(const Ring& ring, const Vec2& p) {
+  const Geos geos;
+  const auto polygon = geos.polygon(ring);
+  const auto point = geos.own(GEOSGeom_createPointFromXY_r(geos.context(), p[0], p[1]));
+  double distance = 0;
+  if (!polygon || !point || !GEOSDistance_r(geos.context(), polygon.get(), point.get(), &distance)) return 0;
+  return distance;
+}
+
 double common_area(const Ring& one, const Ring& two) {
   const Geos geos;
   const auto a = geos.polygon(one), b = geos.polygon(two);

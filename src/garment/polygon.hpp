@@ -26,6 +26,9 @@ double inscribed_radius(const Ring& ring, double tolerance);
 /// How far apart two simple polygons are, with what is inside; 0 where they overlap, or GEOS fails.
 double distance_between(const Ring& one, const Ring& two);
 
+/// How far a point is from a simple polygon, with what is inside; 0 if GEOS fails.
+double distance_between(const Ring& ring, const Vec2& p);
+
 /// The area that two simple polygons have in common; 0 if GEOS fails.
 double common_area(const Ring& one, const Ring& two);
 

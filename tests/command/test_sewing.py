@@ -101,6 +101,28 @@ class Sewing(Temporary):
         texture = sewn["texture_of_vertices"]
         self.assertAlmostEqual(np.ptp(texture[:, 0]), 0.2, 6)  # along warp
 
+    def test_a_wider_panel_below_another_is_gathered_to_it(self):
+        """Both are in one plane, and there their edges would touch from the start."""
+        below = """\
+panels:
+  yoke: {translation: [0, 0.22, 0], vertices: [[-0.1, 0], [0.1, 0], [0.1, 0.1], [-0.1, 0.1]], edges: &edges [
+    {endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3], label: top}, {endpoints: [3, 0]}]}
+  skirt: {vertices: [[-0.15, 0], [0.15, 0], [0.15, 0.2], [-0.15, 0.2]], edges: [
+    {endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3]}, {endpoints: [3, 0]}]}
+stitches: [[{panel: skirt, edge: 2}, {panel: yoke, edge: 0}]]
+"""
+        (self.folder / "tube.yaml").write_text(below)
+        (self.folder / "case.yaml").write_text("""\
+cloth: {pattern: tube.yaml, edge: 4 cm, fabric: cotton}
+pins: [{label: top}]
+sewing: {time: 0.4, limit: 2}
+contact: {thickness: 0.5 mm, check: step}
+time: {end: 0.05, frame_rate: 20}
+""")
+        run = self.sewn("run")
+        for stage in (run / "sewing", run):
+            self.assertEqual(Run(stage).summary["contact"]["intersections"], 0)
+
     def test_newton_sews_what_is_small_or_another_method_that_is_told(self):
         for method, told in (("newton", ()), ("fast_projection", ("--set", "sewing.method=fast_projection"))):
             code, out, err = self.taut("run", "case.yaml", "--out", method, *told)

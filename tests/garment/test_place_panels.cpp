@@ -24,6 +24,13 @@ std::vector<Vec3> places_of(const std::string& text) {
   return places;
 }
 
+/// A yoke above a skirt that is wider, or not.
+std::string yoke_and_skirt(double yoke, double skirt, double height, const std::string& turned = "") {
+  return "panels:\n" + rectangle("yoke", yoke, 0.15, at(-yoke / 2, height, 0.05) + turned) +
+         rectangle("skirt", skirt, 0.4, at(-skirt / 2, 0, 0.05)) +
+         "stitches: [[{panel: yoke, edge: 0}, {panel: skirt, edge: 2}]]\n";
+}
+
 } // namespace
 
 TEST(PlacePanels, CloseTheGapBetweenOneAboveTheOther) {
@@ -73,4 +80,37 @@ TEST(PlacePanels, LetThoseTouchThatAreSewnTogether) {
   EXPECT_EQ(places_of(beside + "stitches: [[{panel: right, edge: 1}, {panel: left, edge: 3}]]\n")[1][2],
             -0.1);
   EXPECT_NE(places_of(beside)[1][2], -0.1);
+}
+
+// What is gathered is not where it belongs along the seam, so it would lie on what is beside that.
+TEST(PlacePanels, MoveApartWhatTouchesAlongAGatheredSeam) {
+  for (const double gap : {0.0, 0.03}) {
+    const auto places = places_of(yoke_and_skirt(0.4, 0.588, 0.4 + gap));
+    EXPECT_NEAR(places[0][1], places[1][1] + 0.4, 1e-12);
+    EXPECT_EQ(places[0][2], 0.05);
+    EXPECT_NEAR(std::abs(places[1][2] - 0.05), apart, 1e-12) << gap;
+  }
+  EXPECT_EQ(places_of(yoke_and_skirt(0.4, 0.4, 0.43))[1][2], 0.05);
+}
+
+TEST(PlacePanels, MoveApartWhatTouchesAtAnAngle) {
+  const std::string turned = "    rotation: [20, 0, 0]\n";
+  EXPECT_NEAR(std::abs(places_of(yoke_and_skirt(0.4, 0.588, 0.4, turned))[1][2] - 0.05), apart, 1e-12);
+  EXPECT_EQ(places_of(yoke_and_skirt(0.4, 0.4, 0.4, turned))[1][2], 0.05);
+}
+
+// Beside a seam that is closed there may be a slit.
+TEST(PlacePanels, MoveApartWhatTouchesBesideAClosedSeam) {
+  const auto halves = [](const std::string& seams) {
+    const std::string loop = "    edges: [{endpoints: [0, 1]}, {endpoints: [1, 2]}, {endpoints: [2, 3]}, "
+                             "{endpoints: [3, 4]}, {endpoints: [4, 0]}]\n";
+    const std::string right = "    vertices: [[0, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.3], [0, 0.3]]\n";
+    const std::string left = "    vertices: [[0, 0], [0.2, 0], [0.2, 0.3], [0, 0.3], [0, 0.1]]\n";
+    return "panels:\n  right:\n" + right + loop + at(-0.2, 0, -0.1) + "  left:\n" + left + loop +
+           at(0, 0, -0.1) + "stitches: [" + seams + "]\n";
+  };
+  const std::string upper = "[{panel: right, edge: 2}, {panel: left, edge: 3}]",
+                    lower = "[{panel: right, edge: 1}, {panel: left, edge: 4}]";
+  EXPECT_EQ(places_of(halves(upper + ", " + lower))[1][2], -0.1);
+  EXPECT_NE(places_of(halves(upper))[1][2], -0.1);
 }
