@@ -11,7 +11,7 @@ INK = [0.15, 0.15, 0.18]
 
 
 def scaled(pixels, options):
-    return round(pixels * options.size[1] / 900)
+    return max(1, round(pixels * options.size[1] / 900))  # no line is of no width
 
 
 def bar_room(options):
