@@ -8,6 +8,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 
 from rendering.colours import INK, UNNAMED, bar_room, colour, scaled
 from rendering.fields import Field, open_xdmf, points_of, times_of
+from rendering.seams import seam_script
 
 vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_WARNING)  # some filters tell what they do
 CLOTH = [0.42, 0.58, 0.76]
@@ -55,9 +56,7 @@ def show_lines(view, source):
 
 def show_seams(view, source, width):
     """The seams of a garment, as lines on it."""
-    edges = simple.ExtractEdges(Input=simple.ExtractSurface(Input=source))
-    seams = simple.Threshold(Input=edges, Scalars=["POINTS", "seam"], AllScalars=1, LowerThreshold=0,
-                             UpperThreshold=1e9)
+    seams = simple.ProgrammableFilter(Input=source, OutputDataSetType="vtkPolyData", Script=seam_script("mesh.h5"))
     shown = show_plain(view, seams, INK)
     shown.Ambient, shown.Diffuse, shown.LineWidth = 1.0, 0.0, width
     shown.RenderLinesAsTubes = 1  # so that half of a line is not in the cloth
