@@ -87,7 +87,7 @@ bool relax_start(Simulation& simulation, const Case& input) {
         "times after {} steps); starts are within a strain of {:g}: bring the start shape nearer to the "
         "rest shape, or correct cloth.rest, cloth.scale or cloth.texture_unit\n",
         input.file.string(), relaxed.strain_before, relaxed.strain, relaxed.steps,
-        Simulation::most_strain_of_start);
+        simulation.most_strain_of_start());
   return relaxed.succeeded();
 }
 

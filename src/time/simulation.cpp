@@ -114,6 +114,12 @@ double Simulation::strain_over_limit() const {
   return std::max(of_gauge, acceptance_.face_strain(state_.positions) / *resolved_.faces_limit);
 }
 
+double Simulation::most_strain_of_start() const {
+  constexpr double given = 0.5, garment = 1.5;
+  const auto is_garment = [](const Piece& piece) { return !piece.parts.panels.empty(); };
+  return std::any_of(cloth_.pieces.begin(), cloth_.pieces.end(), is_garment) ? garment : given;
+}
+
 /// A projection does what it can even where it fails; nothing intersects then either. What strains the cloth
 /// more is tried again with a shorter step, in which contact and forces push less.
 Relaxed Simulation::relax() {
@@ -124,7 +130,7 @@ Relaxed Simulation::relax() {
   double dt = step_size_.choose(state_.time, step_size_.frame_after(state_.time)).dt;
   State state = state_;
   for (int attempts = 0; attempts < most_attempts && result.strain > 1 &&
-                         result.strain * *resolved_.strain_limit <= most_strain_of_start;
+                         result.strain * *resolved_.strain_limit <= most_strain_of_start();
        ++attempts) {
     attempt(dt);
     state.positions = candidate_.positions;

@@ -38,11 +38,13 @@ public:
   void set_start(State state);
 
   /// Takes a start that is strained beyond its limits back within them, by steps that begin at rest: they
-  /// move the cloth, and no time passes. What is strained by more than `most_strain` is left as it is.
-  /// Collective.
+  /// move the cloth, and no time passes. What is strained by more than `most_strain_of_start` is left as it
+  /// is. Collective.
   Relaxed relax();
   double strain_over_limit() const; ///< the largest, of single triangles over theirs too; 0 without limit
-  static constexpr double most_strain_of_start = 0.6;
+  /// Of what a user gives: more tells of wrong units. Garments, which are sewn or carried to where they
+  /// begin, have single edges that are gathered, or collapsed where outlines were cut off by a coarse mesh.
+  double most_strain_of_start() const;
 
   /// One step from the present state, thrown away: the linear solvers are set up and have read all their
   /// options. Returns what it took. Collective.

@@ -66,7 +66,7 @@ Untangled untangle(const Simulation& simulation, const Case& input,
   EdgeKeeper edges(simulation, input, freedom);
   // Of averages there is no keeper: those are relaxed, as of any start.
   const std::optional<double> most_strain =
-      edges.keeps() ? simulation.strain_limit() : std::optional(Simulation::most_strain_of_start);
+      edges.keeps() ? simulation.strain_limit() : std::optional(simulation.most_strain_of_start());
   const auto measure = [&] {
     result.left = sum_over(cloth.mesh.comm, Global(test.find(x, bodies).size()));
     result.strain = simulation.gauge().measure(x).max;
