@@ -219,9 +219,8 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
   const auto clear = [&] {
-    return before
-               ? clear_stage(*before, simulation, stage, options.folder)
-               : clear_start(simulation, stage, out / run_files::findings) && relax_start(simulation, stage);
+    return before ? clear_stage(*before, simulation, stage, options.folder)
+                  : prepare_start(simulation, stage, out / run_files::findings);
   };
   if (checkpoints.empty() && !clear()) return step_failure;
   const State& state = simulation.state();

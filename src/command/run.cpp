@@ -66,8 +66,7 @@ int run(MPI_Comm comm, const RunOptions& given) {
   if (input.sewing) return run_sewing(comm, input, options, stop, began);
   Simulation simulation(comm, input);
   try_petsc_options(simulation, input, options.source.petsc);
-  if (!clear_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
-  if (!relax_start(simulation, input)) return step_failure;
+  if (!prepare_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
   warn_of_start(simulation, input);
   make_run_folder(comm, out, input.file);
   const RunLock lock(comm, out);

@@ -135,7 +135,7 @@ bool clear_weld(Simulation& simulation, Case stage, const fs::path& out) {
     if (!stage.contact) stage.contact.emplace();
     stage.contact->start = config::StartContact::untangle;
   }
-  return clear_start(simulation, stage, fs::path(out) += ".findings.vtp") && relax_start(simulation, stage);
+  return prepare_start(simulation, stage, fs::path(out) += ".findings.vtp");
 }
 
 /// What is wrong with the last stage is told before the first.

@@ -72,8 +72,6 @@ Relaxed relax(Simulation& simulation, const Case& input) {
   return relaxed;
 }
 
-} // namespace
-
 bool relax_start(Simulation& simulation, const Case& input) {
   const Relaxed relaxed = relax(simulation, input);
   const bool speaks = rank_of(simulation.cloth().mesh.comm) == 0;
@@ -91,12 +89,18 @@ bool relax_start(Simulation& simulation, const Case& input) {
   return relaxed.succeeded();
 }
 
+} // namespace
+
 bool clear_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
   if (!input.has_contact()) return true;
   if (input.contact.value_or(config::Contact{}).start == config::StartContact::untangle)
     return untangle_start(simulation, input, file);
   IntersectionCheck(simulation.cloth(), simulation.obstacles(), input).refuse(simulation.state(), file);
   return true;
+}
+
+bool prepare_start(Simulation& simulation, const Case& input, const std::filesystem::path& file) {
+  return clear_start(simulation, input, file) && relax_start(simulation, input);
 }
 
 } // namespace taut::command

@@ -10,8 +10,8 @@ namespace taut::command {
 /// for a start that is refused. Collective.
 bool clear_start(Simulation& simulation, const Case& input, const std::filesystem::path& file);
 
-/// Relaxes a start that is strained beyond its limit (Simulation::relax), and says so. Whether the run can
-/// begin; if not, rank 0 has said why. Collective.
-bool relax_start(Simulation& simulation, const Case& input);
+/// The same, and then relaxes a start that is strained beyond its limit (Simulation::relax), and says so.
+/// Whether the run can begin; if not, rank 0 has said why. Collective.
+bool prepare_start(Simulation& simulation, const Case& input, const std::filesystem::path& file);
 
 } // namespace taut::command

@@ -1,5 +1,6 @@
 #include "src/linear/condensed_factor.hpp"
 
+#include "partition/sort_unique.hpp"
 #include "src/linear/krylov.hpp"
 #include "src/linear/symmetric_matrix.hpp"
 
@@ -91,17 +92,16 @@ void CondensedFactor::Matrix::fix_pattern() {
     for (const Local i : vertices)
       for (const Local j : vertices) pairs.emplace_back(number[i], number[j]);
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   EntryPlaces places;
   for (const auto& [i, j] : pairs)
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) places.add(PetscInt(3 * i + a), PetscInt(3 * j + b));
   matrix = make_symmetric_matrix(mesh.comm, "kkt_", PetscInt(3 * mesh.vertices.owned), std::move(places));
   values.assign(9 * pairs.size(), 0.0);
-  check(
-      MatSetValuesCOO(matrix, values.data(), INSERT_VALUES)); // until then columns of other ranks are unknown
-  check(MatSetBlockSize(matrix, 3));                          // MUMPS orders blocks
+  // Until values were given, columns of other ranks are unknown to what is added later.
+  check(MatSetValuesCOO(matrix, values.data(), INSERT_VALUES));
+  check(MatSetBlockSize(matrix, 3));                                   // MUMPS orders blocks
   check(MatSetOption(matrix, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE)); // leaves out what is far
 }
 

@@ -184,14 +184,14 @@ double compression_of(const Case& input) { return input.sewing ? 2 * input.inext
 
 void add_stretch(const Cloth& cloth, const Pattern& pattern, const Case& input, const Resolved& resolved,
                  Forces& forces) {
+  const double compression = compression_of(input);
   std::vector<std::optional<StretchMaterial>> materials;
   for (std::size_t s = 0; s < cloth.sections.size(); ++s) {
     const Material& m = cloth.material_of(cloth.sections[s]);
     const Vec2& k = resolved.stretch[s];
-    materials.push_back(
-        k.maxCoeff() > 0
-            ? std::optional(StretchMaterial{k, m.stretch_target, m.damping.stiffness, compression_of(input)})
-            : std::nullopt);
+    materials.push_back(k.maxCoeff() > 0 ? std::optional(StretchMaterial{k, m.stretch_target,
+                                                                         m.damping.stiffness, compression})
+                                         : std::nullopt);
   }
   if (const PerSection<StretchMaterial> of_sections(std::move(materials)); of_sections.any())
     forces.push_back(std::make_unique<Stretch>(cloth, pattern, of_sections));
