@@ -28,7 +28,8 @@ class Step {
 public:
   Step(const Simulation& simulation, const Case& input)
       : simulation_(simulation), input_(input), pattern_(simulation.cloth().mesh),
-        predictor_(simulation.cloth(), pattern_, simulation.forces(), input.velocity, input.time.integrator),
+        predictor_(simulation.cloth(), pattern_, simulation.forces(), input.velocity, input.time.integrator,
+                   SolverOptions::Preconditioner::axis),
         freedom_(simulation.cloth().mesh.vertices.size()) {}
 
   void predict(double dt) {

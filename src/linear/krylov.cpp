@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <string_view>
 
 namespace taut {
@@ -16,6 +17,17 @@ constexpr double most_left = 0.9;
 /// Of what a solve may leave, so that it is verified: where little is asked, as of the first corrections of a
 /// projection, what CG leaves says nothing in that other norm.
 constexpr double loose = 0.05;
+
+/// Vectors of GMRES: few solves of velocities need more iterations.
+constexpr PetscInt most_directions = 50;
+
+/// What options say that the preconditioner is to be.
+std::string preconditioner_in(const std::string& prefix, const char* by_default) {
+  std::array<char, 64> name{};
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsGetString(nullptr, prefix.c_str(), "-pc_type", name.data(), name.size(), &given));
+  return given ? name.data() : by_default;
+}
 
 bool is_given(const std::string& prefix, const char* option) {
   PetscBool given = PETSC_FALSE;
@@ -50,8 +62,10 @@ LinearSolver::LinearSolver(MPI_Comm comm, const char* name, const SolverOptions&
     check(KSPSetType(ksp_, KSPPREONLY));
     check(PCSetType(pc, options.matrix == SolverOptions::Matrix::nonsymmetric ? PCLU : PCCHOLESKY));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  } else if (options.matrix == SolverOptions::Matrix::nonsymmetric) {
+  } else if (options.matrix == SolverOptions::Matrix::nonsymmetric ||
+             preconditioner_in(prefix, preconditioner) == "grids") {
     check(KSPSetType(ksp_, KSPGMRES));
+    check(KSPGMRESSetRestart(ksp_, most_directions));
     check(KSPSetPCSide(ksp_, PC_RIGHT)); // so that the norm is that of the residual itself
     check(PCSetType(pc, preconditioner));
   } else {

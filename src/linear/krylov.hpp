@@ -5,8 +5,9 @@
 
 namespace taut {
 
-/// A linear solver with the prefix `-<name>_`: CG in the natural norm (GMRES for a matrix that is not
-/// symmetric) with PCType `preconditioner`, or MUMPS; then whatever the PETSc options say.
+/// A linear solver with the prefix `-<name>_`: CG in the natural norm (GMRES for a matrix, or with the
+/// preconditioner `grids`, that is not symmetric) with PCType `preconditioner`, or MUMPS; then whatever the
+/// PETSc options say.
 class LinearSolver {
 public:
   /// Throws InputError for options that PETSc refuses. Collective.

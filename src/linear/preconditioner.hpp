@@ -6,8 +6,8 @@
 
 namespace taut {
 
-/// What PETSc calls to make a symmetric preconditioner of these functions; they keep what they need in
-/// `pc->data`.
+/// What PETSc calls to make a preconditioner of these functions; they keep what they need in `pc->data`. To
+/// PETSc it is its own transpose, which CG takes it to be.
 template<PetscErrorCode (*set_up)(PC), PetscErrorCode (*apply)(PC, Vec, Vec), PetscErrorCode (*destroy)(PC)>
 PetscErrorCode create_preconditioner(PC pc) {
   PetscFunctionBegin;

@@ -30,7 +30,7 @@ Session::Session(int& argc, char**& argv, std::span<const std::string> petsc_opt
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscOptionsSetValue(nullptr, "-options_left", "no")); // unused_petsc_options reports them
   register_yarn_preconditioner();
-  register_axis_preconditioner();
+  register_velocity_preconditioners();
 }
 
 Session::~Session() {

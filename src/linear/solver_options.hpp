@@ -10,6 +10,11 @@ struct SolverOptions {
     mumps, ///< distributed factorisation: Cholesky, L D L^T or L U
   };
   enum class Matrix { positive_definite, indefinite, nonsymmetric };
+  /// With `cg`, of velocities.
+  enum class Preconditioner {
+    axis, ///< ScalarPreconditioner
+    grids ///< VertexMultigrid, which is not symmetric: with GMRES in place of CG
+  };
   /// How velocities that are prescribed are kept, where there are any.
   enum class Constraints {
     projected, ///< the matrix is restricted to the free directions [Ascher and Boxerman 2003]
@@ -19,6 +24,7 @@ struct SolverOptions {
   Kind kind = Kind::cg;
   int max_iterations = 1000;
   Matrix matrix = Matrix::positive_definite;
+  Preconditioner preconditioner = Preconditioner::axis;
   Constraints constraints = Constraints::projected;
 };
 

@@ -43,29 +43,44 @@ PetscErrorCode get_diagonal(Mat shell, Vec diagonal) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode set_up_axis(PC pc) {
+void renew(ScalarPreconditioner& of, const FilteredOperator& matrix) {
+  of.factor(matrix.matrix(), matrix.freedom());
+}
+void renew(VertexMultigrid& of, const FilteredOperator& matrix) { of.set(matrix); }
+
+/// PETSc's functions for a preconditioner of the matrix in this form.
+template<class Of>
+PetscErrorCode set_up_of(PC pc) {
   PetscFunctionBegin;
   PetscBool unassembled = PETSC_FALSE;
+  const auto object = reinterpret_cast<PetscObject>(pc);
   PetscCall(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc->pmat), MATSHELL, &unassembled));
-  PetscCheck(unassembled, PetscObjectComm(reinterpret_cast<PetscObject>(pc)), PETSC_ERR_ARG_WRONGSTATE,
-             "pc_type axis works on the velocity matrix only");
+  PetscCheck(unassembled, PetscObjectComm(object), PETSC_ERR_ARG_WRONGSTATE,
+             "pc_type %s works on the velocity matrix only", object->type_name);
   const UnassembledMatrix::Parts& parts = parts_of(pc->pmat);
-  if (!pc->data) pc->data = new ScalarPreconditioner(parts.mesh, parts.pattern);
-  static_cast<ScalarPreconditioner*>(pc->data)->factor(parts.filtered.matrix(), parts.filtered.freedom());
+  if (!pc->data) pc->data = new Of(parts.mesh, parts.pattern);
+  renew(*static_cast<Of*>(pc->data), parts.filtered);
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode apply_axis(PC pc, Vec b, Vec x) {
+template<class Of>
+PetscErrorCode apply_of(PC pc, Vec b, Vec x) {
   return on_arrays(b, x, [pc](std::span<const double> from, std::span<double> to) {
-    static_cast<ScalarPreconditioner*>(pc->data)->solve(as_vectors(from), as_vectors(to));
+    static_cast<Of*>(pc->data)->solve(as_vectors(from), as_vectors(to));
   });
 }
 
-PetscErrorCode destroy_axis(PC pc) {
+template<class Of>
+PetscErrorCode destroy_of(PC pc) {
   PetscFunctionBegin;
-  delete static_cast<ScalarPreconditioner*>(pc->data);
+  delete static_cast<Of*>(pc->data);
   pc->data = nullptr;
   PetscFunctionReturn(0);
+}
+
+template<class Of>
+void add_type(const char* name) {
+  check(PCRegister(name, create_preconditioner<set_up_of<Of>, apply_of<Of>, destroy_of<Of>>));
 }
 
 } // namespace
@@ -88,8 +103,9 @@ void UnassembledMatrix::set(const VertexMatrix& matrix, const Freedom& freedom) 
   mark_changed(shell_);
 }
 
-void register_axis_preconditioner() {
-  check(PCRegister("axis", create_preconditioner<set_up_axis, apply_axis, destroy_axis>));
+void register_velocity_preconditioners() {
+  add_type<ScalarPreconditioner>("axis");
+  add_type<VertexMultigrid>("grids");
 }
 
 } // namespace taut

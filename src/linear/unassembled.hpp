@@ -2,13 +2,15 @@
 #include "src/linear/filtered_operator.hpp"
 #include "src/linear/petsc.hpp"
 #include "src/linear/scalar_preconditioner.hpp"
+#include "src/linear/vertex_multigrid.hpp"
 
 #include <memory>
 
 namespace taut {
 
 /// The filtered velocity matrix as PETSc sees it when it is not assembled: it can be multiplied with, and it
-/// supports the preconditioners `axis` (ScalarPreconditioner), `pbjacobi` and `jacobi`.
+/// supports the preconditioners `axis` (ScalarPreconditioner), `grids` (VertexMultigrid), `pbjacobi` and
+/// `jacobi`.
 class UnassembledMatrix {
 public:
   /// Collective.
@@ -34,8 +36,8 @@ private:
   OwnedMat shell_;
 };
 
-/// Makes `-velocity_pc_type axis` known to PETSc. Once a program.
-void register_axis_preconditioner();
+/// Makes `-velocity_pc_type axis` and `grids` known to PETSc. Once a program.
+void register_velocity_preconditioners();
 
 /// PETSc's numbers as vectors in space.
 inline std::span<Vec3> as_vectors(std::span<double> values) {

@@ -15,9 +15,13 @@ bool works_unassembled(KSP ksp) {
   PC pc = nullptr;
   PetscBool does = PETSC_FALSE;
   check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, "axis", PCPBJACOBI, PCJACOBI,
-                                  PCNONE, ""));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &does, "axis", "grids", PCPBJACOBI,
+                                  PCJACOBI, PCNONE, ""));
   return does;
+}
+
+const char* name_of(SolverOptions::Preconditioner preconditioner) {
+  return preconditioner == SolverOptions::Preconditioner::grids ? "grids" : "axis";
 }
 
 } // namespace
@@ -29,7 +33,7 @@ struct VelocitySystem::Petsc {
   std::unique_ptr<AssembledMatrix> assembled; ///< only where the solver needs one
 
   Petsc(const DistributedMesh& mesh, const Pattern& pattern, const SolverOptions& options, const char* name)
-      : unassembled(mesh, pattern), solver(mesh.comm, name, options, "axis") {
+      : unassembled(mesh, pattern), solver(mesh.comm, name, options, name_of(options.preconditioner)) {
     check(MatCreateVecs(unassembled, solution.address(), rhs.address()));
     if (!works_unassembled(solver)) assembled = std::make_unique<AssembledMatrix>(mesh, pattern);
     const bool factorises = options.kind == SolverOptions::Kind::mumps;

@@ -12,9 +12,9 @@ namespace taut {
 ///
 /// With Constraints::filtered the modified CG of the paper solves it instead, and PETSc options mean nothing.
 ///
-/// PETSc prefix `-velocity_`. With CG and the preconditioners `axis` (the default), `pbjacobi`, `jacobi` and
-/// `none` the matrix is applied as it is; for every other preconditioner, and for MUMPS, it is assembled as a
-/// PETSc matrix of 3 x 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
+/// PETSc prefix `-velocity_`. With CG and the preconditioners `axis`, `pbjacobi`, `jacobi` and `none`, and
+/// with GMRES and `grids`, the matrix is applied as it is; for every other preconditioner, and for MUMPS, it
+/// is assembled as a PETSc matrix of 3 x 3 blocks (`-velocity_mat_type aij`, `baij`, `sbaij`).
 class VelocitySystem {
 public:
   /// `mesh` and `pattern` must outlive the system.

@@ -2,25 +2,35 @@
 
 #include "src/linear/modified_cg.hpp"
 
+#include <algorithm>
+
 namespace taut {
 
 namespace {
 
-SolverOptions solver_options(const config::Velocity& options) {
+SolverOptions solver_options(const config::Velocity& options, SolverOptions::Preconditioner preconditioner) {
   using Kind = SolverOptions::Kind;
   using Constraints = SolverOptions::Constraints;
   const bool projected = options.constraints == config::ConstraintSolver::projected;
   return {.kind = options.solver == config::LinearSolver::mumps ? Kind::mumps : Kind::cg,
           .max_iterations = options.max_iterations,
+          .preconditioner = preconditioner,
           .constraints = projected ? Constraints::projected : Constraints::filtered};
 }
 
 } // namespace
 
+SolverOptions::Preconditioner velocity_preconditioner(const Resolved& resolved) {
+  const auto resists = [](const Vec2& stretch) { return stretch.maxCoeff() > 0; };
+  return std::ranges::any_of(resolved.stretch, resists) ? SolverOptions::Preconditioner::grids
+                                                        : SolverOptions::Preconditioner::axis;
+}
+
 ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
-                             const config::Velocity& options, config::Integrator integrator)
+                             const config::Velocity& options, config::Integrator integrator,
+                             SolverOptions::Preconditioner preconditioner)
     : cloth_(cloth), tolerance_(options.tolerance), assembly_(cloth, pattern, forces, integrator),
-      solver_(cloth.mesh, pattern, solver_options(options)) {}
+      solver_(cloth.mesh, pattern, solver_options(options, preconditioner)) {}
 
 StepReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedom,
                                   std::vector<Vec3>& velocities, std::vector<Vec3>& reaction) {

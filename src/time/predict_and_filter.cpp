@@ -6,7 +6,8 @@ namespace taut {
 
 PredictAndFilter::PredictAndFilter(const StepperParts& parts, const Case& input)
     : pins_(parts.pins), integrator_(input.time.integrator), filters_(parts, input),
-      predictor_(parts.cloth, parts.pattern, parts.forces, input.velocity, input.time.integrator),
+      predictor_(parts.cloth, parts.pattern, parts.forces, input.velocity, input.time.integrator,
+                 velocity_preconditioner(parts.resolved)),
       freedom_(parts.cloth.mesh.vertices.size()) {}
 
 StepReport PredictAndFilter::propose(const State& state, double dt, Candidate& candidate) {

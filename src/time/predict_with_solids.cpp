@@ -13,7 +13,8 @@ constexpr int most_releases = 1;
 
 PredictWithSolids::PredictWithSolids(const StepperParts& parts, const Case& input)
     : pins_(parts.pins), filters_(parts, input),
-      predictor_(parts.cloth, parts.pattern, parts.forces, input.velocity, input.time.integrator),
+      predictor_(parts.cloth, parts.pattern, parts.forces, input.velocity, input.time.integrator,
+                 velocity_preconditioner(parts.resolved)),
       solids_(parts.cloth, parts.obstacles, input), freedom_(parts.cloth.mesh.vertices.size()) {
   parts.forces.push_back(std::make_unique<SolidFriction>(solids_));
 }

@@ -98,9 +98,10 @@ TEST_F(VelocitySolve, MatrixDoesNotDependOnThePartition) {
   });
 }
 
-// The first four apply the matrix as it is, all others assemble it: so the two forms are compared as well.
+// The first five apply the matrix as it is, all others assemble it: so the two forms are compared as well.
 TEST_F(VelocitySolve, EverySolverFindsTheSolution) {
   const std::vector<Solver> solvers{{cg, {}},
+                                    {cg, {{pc, "grids"}}},
                                     {cg, {{pc, "pbjacobi"}}},
                                     {cg, {{pc, "jacobi"}}},
                                     {cg, {{pc, "none"}}},
@@ -216,8 +217,12 @@ protected:
 
 TEST_F(ConstrainedSolve, ProjectedAndModifiedCgFindTheSameSolution) {
   constexpr auto filtered = SolverOptions::Constraints::filtered;
-  const std::vector<Solver> solvers{
-      {cg, {}}, {cg, {{pc, "pbjacobi"}}}, {cg, {{pc, "jacobi"}}}, {cg, {{pc, "bjacobi"}}}, {mumps, {}}};
+  const std::vector<Solver> solvers{{cg, {}},
+                                    {cg, {{pc, "grids"}}},
+                                    {cg, {{pc, "pbjacobi"}}},
+                                    {cg, {{pc, "jacobi"}}},
+                                    {cg, {{pc, "bjacobi"}}},
+                                    {mumps, {}}};
   std::vector<SolverOptions> options(solvers.size(), {cg, 1000});
   options.back().kind = mumps;
   options.push_back({.kind = cg, .constraints = filtered});
