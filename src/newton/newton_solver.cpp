@@ -30,7 +30,7 @@ double total_mass(const Cloth& cloth) {
 template<ConstraintSetInNewton Set>
 NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set& set,
                                 SolverOptions::Kind kind)
-    : cloth_(cloth), set_(set), row_edges_(set.row_edges()), grids_(cloth.mesh, pattern),
+    : cloth_(cloth), set_(set), row_edges_(set.row_edges()),
       gcr_(cloth.mesh.comm, 3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       total_mass_(total_mass(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       left_(solution_), source_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
@@ -39,18 +39,18 @@ NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set&
   if (kind == SolverOptions::Kind::mumps)
     factor_.emplace(cloth.mesh, pattern, row_edges_, set.rows());
   else
-    coarse_.emplace(cloth.mesh, grids_, row_edges_, set.row_places());
+    coarse_.emplace(cloth.mesh, grids_.emplace(cloth.mesh, pattern), row_edges_, set.row_places());
 }
 
 template<ConstraintSetInNewton Set>
 void NewtonSolver<Set>::factor(const FilteredOperator& stiffness) {
   stiffness_ = &stiffness;
   find_metric();
-  grids_.set(stiffness);
   set_.program_tolerance(1.0, tolerance_);
-  if (factor_ && age_ == Age::none) return renew_factor();
+  if (factor_ && (age_ == Age::none || !may_keep_factor_)) return renew_factor();
   age_ = Age::old;
   if (factor_) return;
+  grids_->set(stiffness);
   set_.factor(metric_);
   coarse_->set(set_.gradients(), set_.freedom(), set_.program_compliance());
 }
@@ -102,7 +102,10 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
     if (gcr_.step(direction_, product_, solution_, left_) == 0) break; // no further progress
     const double allowed = allowed_movement(goal);
     is_solved = of_left && movement <= allowed && strain(std::span(left_).subspan(3 * n)) <= goal.strain;
-    if (factor_ && age_ == Age::old && !is_solved && !serves(report, movement, allowed)) renew_factor();
+    if (factor_ && age_ == Age::old && !is_solved && !serves(report, movement, allowed)) {
+      may_keep_factor_ = false;
+      renew_factor();
+    }
   }
   std::copy_n(as_vectors(solution_).begin(), n, dx.begin());
   cloth_.mesh.vertex_halo.update(dx);
@@ -113,8 +116,13 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
 template<ConstraintSetInNewton Set>
 double NewtonSolver<Set>::movement(std::span<const Vec3> r) {
   const auto x = as_vectors(direction_).first(r.size());
-  grids_.solve(r, x);
-  return rms(x);
+  if (!factor_) {
+    grids_->solve(r, x);
+    return rms(x);
+  }
+  std::ranges::fill(source_, 0.0);
+  std::ranges::copy(r, as_vectors(source_).begin());
+  return factor_->solve(source_, direction_).failure.empty() ? rms(x) : HUGE_VAL;
 }
 
 template<ConstraintSetInNewton Set>
@@ -181,7 +189,7 @@ void NewtonSolver<Set>::precondition() {
   const auto c = std::span(source_).subspan(3 * n), d = std::span(direction_).subspan(3 * n);
 
   for (std::size_t row = 0; row < c.size(); ++row) rows_[row] = -c[row];
-  grids_.restrict_to(coarse_->level(), r, nodes_);
+  grids_->restrict_to(coarse_->level(), r, nodes_);
   coarse_->solve(nodes_, rows_, start_, d);
   for (double& m : d) m = -m;
 
@@ -189,7 +197,7 @@ void NewtonSolver<Set>::precondition() {
   spread(d);
   for (std::size_t i = 0; i < n; ++i) b[i] = r[i] - stiffness_->freedom().allowed(Local(i), y_[i]);
   const auto x = as_vectors(direction_).first(n);
-  grids_.solve(b, coarse_->level(), start_, x);
+  grids_->solve(b, coarse_->level(), start_, x);
   project(x);
   std::copy(x.begin(), x.end(), x_.begin());
   mesh.vertex_halo.update(x_);

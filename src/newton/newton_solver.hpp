@@ -39,10 +39,13 @@ public:
   };
 
   /// Forgets what earlier steps left: the next matrix is factored anew.
-  void begin_step() { age_ = Age::none; }
+  void begin_step() {
+    age_ = Age::none;
+    may_keep_factor_ = true;
+  }
 
-  /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, as long as solves
-  /// take few iterations with it.) Collective.
+  /// Takes the matrix and the set as it was evaluated last. (A factor stays, within a step, until a solve
+  /// would take many iterations with it; from then on each matrix is factored.) Collective.
   void factor(const FilteredOperator& stiffness);
 
   /// `r` over owned vertices, in kg m; `c` over owned rows, as the set's residual. `dx` (local, ghosts
@@ -53,8 +56,8 @@ public:
                     std::vector<Vec3>& dx, std::vector<double>& dmu);
 
   /// How far what is left of the equations of motion, `r` as in `solve`, would move the cloth, root mean
-  /// square in m: H^-1 r by a cycle of the grids as they were made last. (All of the preconditioner gives 0.6
-  /// to 1.5 times as much and costs four times as much.) Collective.
+  /// square in m: by the factor, or H^-1 r by a cycle of the grids, as they were made last. (All of the
+  /// preconditioner gives 0.6 to 1.5 times as much as the cycle, and costs four times as much.) Collective.
   double movement(std::span<const Vec3> r);
 
   /// Root mean square over the masses, of owned vertices. Collective.
@@ -79,16 +82,17 @@ private:
   const Cloth& cloth_;
   Set& set_;
   std::vector<RowEdge> row_edges_;
-  VertexMultigrid grids_;
-  std::optional<CoarseSystem> coarse_;    ///< of these two one
-  std::optional<CondensedFactor> factor_; ///< of the system for (dx, -dmu)
+  std::optional<VertexMultigrid> grids_; ///< these two,
+  std::optional<CoarseSystem> coarse_;
+  std::optional<CondensedFactor> factor_; ///< or this, of the system for (dx, -dmu)
   Gcr gcr_;
   enum class Age {
     none,
     old,
     current
-  } age_ = Age::none;         ///< of the factor: old if of another matrix of this step
-  double first_movement_ = 0; ///< of a solve, m
+  } age_ = Age::none;           ///< of the factor: old if of another matrix of this step
+  bool may_keep_factor_ = true; ///< in this step: those of other matrices have served
+  double first_movement_ = 0;   ///< of a solve, m
   const FilteredOperator* stiffness_ = nullptr;
   double total_mass_;
   // Unknowns are (dx, -dmu), because sets subtract what they multiply; first three for each owned vertex,
