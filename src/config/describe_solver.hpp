@@ -155,7 +155,10 @@ void describe(V& v, Is<Checkpoint> auto& c) {
   v("every_time", c.every_time,
     {.unit = Unit::second, .range = not_negative, .meaning = "simulated time between two; 0: any"});
   v("every_wall", c.every_wall,
-    {.unit = Unit::second, .range = not_negative, .meaning = "time on the clock between two; 0: any"});
+    {.unit = Unit::second,
+     .range = not_negative,
+     .computed_default = "60, but at least 50 times what the last one took",
+     .meaning = "time on the clock between two; 0: any"});
 }
 
 template<class V>

@@ -75,8 +75,8 @@ struct Partition {
 /// When to write what a run can be resumed from; 0 is never. The end of a run always is.
 struct Checkpoint {
   int every_steps = 0;
-  double every_time = 0;   ///< s, simulated
-  double every_wall = 600; ///< s, on the clock
+  double every_time = 0;            ///< s, simulated
+  std::optional<double> every_wall; ///< s, on the clock; absent: as is cheap
   bool operator==(const Checkpoint&) const = default;
 };
 

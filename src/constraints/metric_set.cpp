@@ -40,18 +40,10 @@ void MetricSet::find_columns() {
 }
 
 /// The rows nearly depend on each other, and what preconditions Newton's method need not be exact: there they
-/// are factored, with a compliance that makes their factor one of a regular matrix. Programs with contact end
-/// before an exact inverse of what they hold beside contacts would pay.
+/// are factored, with a compliance that makes their factor one of a regular matrix.
 SolverOptions MetricSet::options_of_system() const {
-  switch (use_) {
-  case ConstraintUse::in_newton:
-    return {.kind = SolverOptions::Kind::mumps};
-  case ConstraintUse::with_contact:
-    return {.kind = SolverOptions::Kind::cg};
-  case ConstraintUse::alone:
-    break;
-  }
-  return solver_options(options_);
+  if (use_ != ConstraintUse::in_newton) return solver_options(options_);
+  return {.kind = SolverOptions::Kind::mumps};
 }
 
 void MetricSet::start(const State& start, double dt, const Freedom& freedom, const Candidate&) {

@@ -235,6 +235,13 @@ void ContactRows::add_normal_row(Local k, int iteration) {
   rows_.push_back({k, true, contact.normal, contact.violation, -so_far, HUGE_VAL, gap_left * fall_, guess});
 }
 
+bool ContactRows::are_met() const {
+  const auto is_too_near = [](const ContactRow& row) {
+    return row.is_normal && !(row.violation <= row.slack);
+  };
+  return !any_of(scene_.cloth().mesh.comm, std::ranges::any_of(rows_, is_too_near));
+}
+
 void ContactRows::add(std::span<const double> z) {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     ContactImpulse& impulse = records_[rows_[k].contact]->impulse;

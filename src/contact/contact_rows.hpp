@@ -49,6 +49,9 @@ public:
   /// step, from 1. Collective.
   void make(int iteration);
 
+  /// Whether no contact is nearer than a program may leave it. Collective.
+  bool are_met() const;
+
   /// Bounds of the increments of friction by the normal forces that the increments `z` make. Not collective.
   void limit_friction(std::span<const double> z, std::span<double> lower, std::span<double> upper) const;
 

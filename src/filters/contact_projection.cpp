@@ -111,12 +111,11 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
   return report;
 }
 
-/// Whether nothing need be corrected of a candidate that strains so much. A projection would leave an
-/// equilibrium of all equations what its own metric makes of it. What comes nearer than the thickness, but
-/// not so near that it stops the safe iterate, the next step's solves undo.
+/// Whether nothing is left to correct of a candidate that strains so much. A projection would leave an
+/// equilibrium of all equations what its own metric makes of it.
 template<ConstraintSet Set>
 bool ContactProjection<Set>::is_kept(double strain, FilterReport& report) {
-  if (!(strain <= options_.limits.strain)) return false;
+  if (!(strain <= options_.limits.strain) || !rows_.are_met()) return false;
   double fraction = 0;
   timed(report, [&] {
     fraction = safe_.safe_fraction_to_target();

@@ -4,12 +4,15 @@
 #include "partition/traffic.hpp"
 #include "src/output/run_files.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace taut {
 
 namespace {
+
+constexpr double often = 60, cheap = 50; // s on the clock; times what the last one took
 
 /// How often `interval` has passed by `time`; a step that ends on a multiple up to round-off has reached it.
 double intervals(double time, double interval) { return std::floor(time / interval * (1 + 1e-9)); }
@@ -36,8 +39,8 @@ bool Checkpointer::is_due(const State& state) const {
   if (when_.every_time > 0 &&
       intervals(state.time, when_.every_time) > intervals(last_time_, when_.every_time))
     return true;
-  return when_.every_wall > 0 &&
-         any_of(simulation_.cloth().mesh.comm, MPI_Wtime() - last_clock_ >= when_.every_wall);
+  const double interval = when_.every_wall.value_or(std::max(cheap * last_seconds_, often));
+  return interval > 0 && any_of(simulation_.cloth().mesh.comm, MPI_Wtime() - last_clock_ >= interval);
 }
 
 void Checkpointer::write() {
@@ -54,7 +57,8 @@ void Checkpointer::write() {
   last_step_ = state.step;
   last_time_ = state.time;
   last_clock_ = MPI_Wtime();
-  written_.seconds += last_clock_ - begin;
+  last_seconds_ = last_clock_ - begin;
+  written_.seconds += last_seconds_;
 }
 
 /// What a run that goes on from this checkpoint does not write again.

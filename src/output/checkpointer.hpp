@@ -30,9 +30,10 @@ private:
   std::filesystem::path folder_;
   std::string case_text_;
   Written& written_;
-  double last_time_ = 0;  ///< s, simulated, of the last checkpoint or the start
-  double last_clock_ = 0; ///< MPI_Wtime() then
-  Global last_step_ = -1; ///< of the last checkpoint of this program
+  double last_time_ = 0;    ///< s, simulated, of the last checkpoint or the start
+  double last_clock_ = 0;   ///< MPI_Wtime() then
+  double last_seconds_ = 0; ///< that it took
+  Global last_step_ = -1;   ///< of the last checkpoint of this program
 };
 
 } // namespace taut
