@@ -40,8 +40,8 @@ NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
       stiffness_(parts.cloth.mesh), freedom_(parts.cloth.mesh.vertices.size()),
       slots_(edge_slots(parts.cloth.mesh, parts.pattern)), weights_(parts.cloth.mesh.edges.size()),
       added_(weights_), rows_(set_.rows()), change_(rows_), kept_(rows_),
-      metric_(parts.cloth.mesh.vertices.size()), residual_(parts.cloth.mesh.vertices.size()),
-      left_(parts.cloth.mesh.vertices.owned), dx_(residual_), moved_(left_) {}
+      residual_(parts.cloth.mesh.vertices.size()), left_(parts.cloth.mesh.vertices.owned), dx_(residual_),
+      moved_(left_) {}
 
 template<ConstraintSetInNewton Set>
 StepReport NewtonStep<Set>::propose(const State& state, double dt, Candidate& candidate) {
@@ -77,19 +77,9 @@ void NewtonStep<Set>::find_resistance() {
   if (!triangles_ && !has_contacts()) return;
   const PhaseScope phase(Phase::velocity);
   stiffen();
-  stiffness_.inverse_means(metric_);
-  if (triangles_) triangles_->begin(metric_);
-  if (has_contacts()) contact_->foreseen().set_metric(metric_);
-}
-
-/// Whether contacts are agreed on, or what they still change moves no vertex by more than all may be moved:
-/// a few that flicker between two states would ask for solve after solve.
-template<ConstraintSetInNewton Set>
-bool NewtonStep<Set>::has_settled(double dt) const {
-  if (!has_contacts() || contact_->foreseen().is_settled()) return true;
-  double farthest = 0; // m
-  for (std::size_t i = 0; i < left_.size(); ++i) farthest = std::max(farthest, metric_[i] * left_[i].norm());
-  return max_over(cloth_.mesh.comm, farthest) <= options_.residual * gravity_ * dt * dt;
+  const std::vector<double> inverse = metric();
+  if (triangles_) triangles_->begin(inverse);
+  if (has_contacts()) contact_->foreseen().set_metric(inverse);
 }
 
 /// A step that is short all of a sudden need not correct at once what long ones have left: vertices would be
@@ -114,9 +104,10 @@ void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, Step
     set_.residual(rows_);
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] -= kept_[row];
     const double unit = unit_of_movement(start, candidate);
-    const bool may_end = is_solved && strain <= options_.strain && has_settled(start.dt);
+    const bool is_settled = !has_contacts() || contact_->foreseen().is_settled();
+    const bool may_end = is_solved && strain <= options_.strain && is_settled;
     const bool must_end = !std::isfinite(strain) || report.iterations >= options_.max_iterations;
-    report.residual = may_end || must_end ? solver_.movement(left_) / unit : 0.0;
+    report.residual = is_solved && (may_end || must_end) ? solver_.movement(left_) / unit : 0.0;
     if (may_end && report.residual <= options_.residual) return;
     if (must_end || !std::isfinite(report.residual)) {
       report.failure =
@@ -232,6 +223,14 @@ void NewtonStep<Set>::stiffen() {
     for (const EdgeEnd& end : cloth_.mesh.star_of(i))
       assembly_.system().stiffen(i, *slot++, weights_[end.edge] - added_[end.edge]);
   std::swap(weights_, added_);
+}
+
+/// Inverse, of the system as it is, 1/kg of local vertices, 0 if held.
+template<ConstraintSetInNewton Set>
+std::vector<double> NewtonStep<Set>::metric() const {
+  std::vector<double> metric(cloth_.mesh.vertices.size());
+  stiffness_.inverse_means(metric);
+  return metric;
 }
 
 /// What pins take is what is left where they hold.

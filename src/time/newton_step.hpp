@@ -39,9 +39,9 @@ namespace taut {
 ///
 /// A step is done when its strain is within the limit and what is left of the equations would move the cloth
 /// (NewtonSolver::movement) by at most `residual` times what gravity, or a stronger acceleration, does in the
-/// step; and where contacts are not agreed on, no single vertex by more. Strain alone says nothing of that:
-/// where solves were stopped by it, the cloth fell in slow motion. Solves leave a tenth of it, so that in
-/// most steps one is enough, and what buckles, where one solve is far from enough, is accepted all the same.
+/// step. Strain alone says nothing of that: where solves were stopped by it, the cloth fell in slow motion.
+/// Solves leave a tenth of it, so that in most steps one is enough, and what buckles, where one solve is far
+/// from enough, is accepted all the same.
 template<ConstraintSetInNewton Set>
 class NewtonStep : public Stepper {
 public:
@@ -61,7 +61,7 @@ private:
   void find_residual(double dt, const Candidate& candidate);
   void stiffen();
   bool has_contacts() const { return contact_ && contact_->foreseen().count() > 0; }
-  bool has_settled(double dt) const;
+  std::vector<double> metric() const;
   void find_resistance();
   void shorten_change();
   void find_reaction(double dt, Candidate& candidate) const;
@@ -84,7 +84,6 @@ private:
   std::vector<double> weights_, added_; ///< 2 |mu|/l of local edges: now, and in the matrix
   std::vector<double> rows_, change_;   ///< of owned rows
   std::vector<double> kept_;            ///< what the step need not correct, of owned rows
-  std::vector<double> metric_;          ///< 1/kg, of local vertices, 0 if held: see find_resistance
   std::vector<Vec3> residual_, left_;   ///< of owned vertices: with what pins take, without
   std::vector<Vec3> dx_, moved_;        ///< of local vertices; of owned ones, in the step so far
 };
