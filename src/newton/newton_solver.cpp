@@ -2,6 +2,7 @@
 
 #include "src/constraints/mixed_set.hpp"
 #include "src/linear/as_vectors.hpp"
+#include "src/state/resolve.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +20,6 @@ constexpr int most_stalled = 20;               // iterations in a row, after whi
 constexpr double told_apart = 1e-8;            // of what rows yield, far below what a step asks for
 constexpr double part_of_way = 1e-3;           // of what starts from rest; less is lost in what turns
 
-double total_mass(const Cloth& cloth) {
-  double sum = 0;
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) sum += cloth.mass[i];
-  return sum_over(cloth.mesh.comm, sum);
-}
-
 } // namespace
 
 template<ConstraintSetInNewton Set>
@@ -32,7 +27,7 @@ NewtonSolver<Set>::NewtonSolver(const Cloth& cloth, const Pattern& pattern, Set&
                                 SolverOptions::Kind kind)
     : cloth_(cloth), set_(set), row_edges_(set.row_edges()),
       gcr_(cloth.mesh.comm, 3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
-      total_mass_(total_mass(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
+      total_mass_(mass_of(cloth)), solution_(3 * std::size_t(cloth.mesh.vertices.owned) + set.rows()),
       left_(solution_), source_(solution_), direction_(solution_), product_(solution_), weights_(solution_),
       metric_(cloth.mesh.vertices.size()), tolerance_(set.rows()),
       rows_(set.rows()), room_{rows_, rows_, rows_, rows_}, x_(cloth.mesh.vertices.size()), y_(x_) {
@@ -115,14 +110,11 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
 
 template<ConstraintSetInNewton Set>
 double NewtonSolver<Set>::movement(std::span<const Vec3> r) {
-  const auto x = as_vectors(direction_).first(r.size());
-  if (!factor_) {
-    grids_->solve(r, x);
-    return rms(x);
-  }
   std::ranges::fill(source_, 0.0);
   std::ranges::copy(r, as_vectors(source_).begin());
-  return factor_->solve(source_, direction_).failure.empty() ? rms(x) : HUGE_VAL;
+  const auto x = as_vectors(direction_).first(r.size());
+  if (!factor_) grids_->solve(r, x);
+  return factor_ && !factor_->solve(source_, direction_).failure.empty() ? HUGE_VAL : rms(x);
 }
 
 template<ConstraintSetInNewton Set>

@@ -9,13 +9,6 @@ namespace taut {
 
 namespace {
 
-/// In kg. Collective.
-double mass_of(const Cloth& cloth) {
-  double mass = 0;
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  return sum_over(cloth.mesh.comm, mass);
-}
-
 /// m/s^2, of the weights below: that of the Earth, or more where the case has more. Where it has less, bodies
 /// that press, wind and pins pull as hard as elsewhere. A shirt that sank at a tenth of g onto shoulders was
 /// ten times as compliant, yielded by the whole limit to a neck that grew in it, and took 1123 steps for 112.
@@ -92,6 +85,12 @@ config::LinearSolver default_solver(const Case& input, const Cloth& cloth, confi
 }
 
 } // namespace
+
+double mass_of(const Cloth& cloth) {
+  double mass = 0;
+  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
+  return sum_over(cloth.mesh.comm, mass);
+}
 
 Resolved resolve(const Case& input, const Cloth& cloth) {
   Resolved result;

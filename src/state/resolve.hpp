@@ -19,4 +19,7 @@ struct Resolved {
 /// Throws InputError for what the mesh cannot have. Collective.
 Resolved resolve(const Case& input, const Cloth& cloth);
 
+/// In kg. Collective.
+double mass_of(const Cloth& cloth);
+
 } // namespace taut
