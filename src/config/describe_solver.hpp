@@ -157,7 +157,7 @@ void describe(V& v, Is<Checkpoint> auto& c) {
   v("every_wall", c.every_wall,
     {.unit = Unit::second,
      .range = not_negative,
-     .computed_default = "60, but at least 50 times what the last one took",
+     .computed_default = "60, or 50 times what one took",
      .meaning = "time on the clock between two; 0: any"});
 }
 

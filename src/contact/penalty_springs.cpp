@@ -1,6 +1,7 @@
 #include "src/contact/penalty_springs.hpp"
 
 #include "src/contact/friction.hpp"
+#include "src/state/resolve.hpp"
 
 #include <Eigen/Geometry>
 
@@ -12,9 +13,7 @@ constexpr double creep = 5e-3; ///< m/s, below which friction is viscous
 
 /// N/m: with it 500 vertices' weight on one spring use up the thickness.
 double default_stiffness(const Cloth& cloth, double gravity, double thickness) {
-  double mass = 0;
-  for (Local i = 0; i < cloth.mesh.vertices.owned; ++i) mass += cloth.mass[i];
-  const double mean = sum_over(cloth.mesh.comm, mass) / double(cloth.mesh.vertices.total);
+  const double mean = mass_of(cloth) / double(cloth.mesh.vertices.total);
   return 500.0 * mean * (gravity > 0 ? gravity : 9.81) / thickness;
 }
 

@@ -110,11 +110,15 @@ SolveReport NewtonSolver<Set>::solve(std::span<const Vec3> r, std::span<const do
 
 template<ConstraintSetInNewton Set>
 double NewtonSolver<Set>::movement(std::span<const Vec3> r) {
-  std::ranges::fill(source_, 0.0);
-  std::ranges::copy(r, as_vectors(source_).begin());
   const auto x = as_vectors(direction_).first(r.size());
-  if (!factor_) grids_->solve(r, x);
-  return factor_ && !factor_->solve(source_, direction_).failure.empty() ? HUGE_VAL : rms(x);
+  if (factor_) {
+    std::ranges::fill(source_, 0.0);
+    std::ranges::copy(r, as_vectors(source_).begin());
+    if (!factor_->solve(source_, direction_).failure.empty()) return HUGE_VAL;
+  } else {
+    grids_->solve(r, x);
+  }
+  return rms(x);
 }
 
 template<ConstraintSetInNewton Set>
@@ -127,11 +131,8 @@ double NewtonSolver<Set>::rms(std::span<const Vec3> field) const {
 template<ConstraintSetInNewton Set>
 double NewtonSolver<Set>::allowed_movement(const Goal& goal) {
   const auto x = as_vectors(solution_);
-  double sum = 0;
-  for (std::size_t i = 0; i < goal.moved.size(); ++i)
-    sum += cloth_.mass[i] * (goal.moved[i] + x[i]).squaredNorm();
-  const double way = std::sqrt(sum_over(cloth_.mesh.comm, sum) / total_mass_);
-  return std::clamp(part_of_way * way, goal.least, goal.most);
+  for (std::size_t i = 0; i < goal.moved.size(); ++i) y_[i] = goal.moved[i] + x[i];
+  return std::clamp(part_of_way * rms(y_), goal.least, goal.most);
 }
 
 /// Whether a factor of an earlier matrix is worth keeping: at the rate so far, few iterations suffice.
