@@ -20,7 +20,7 @@ struct Time {
 
 struct Velocity {
   LinearSolver solver = LinearSolver::cg;
-  double tolerance = 3e-4;
+  std::optional<double> tolerance; ///< absent: see ImplicitEuler
   int max_iterations = 1000;
   ConstraintSolver constraints = ConstraintSolver::projected;
   bool operator==(const Velocity&) const = default;

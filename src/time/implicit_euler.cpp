@@ -18,6 +18,11 @@ SolverOptions solver_options(const config::Velocity& options, SolverOptions::Pre
           .constraints = projected ? Constraints::projected : Constraints::filtered};
 }
 
+/// How the two compare, and what a tighter one changes: src/linear/README.md.
+double default_tolerance(SolverOptions::Preconditioner preconditioner) {
+  return preconditioner == SolverOptions::Preconditioner::grids ? 1e-2 : 3e-4;
+}
+
 } // namespace
 
 SolverOptions::Preconditioner velocity_preconditioner(const Resolved& resolved) {
@@ -29,7 +34,8 @@ SolverOptions::Preconditioner velocity_preconditioner(const Resolved& resolved) 
 ImplicitEuler::ImplicitEuler(const Cloth& cloth, const Pattern& pattern, const Forces& forces,
                              const config::Velocity& options, config::Integrator integrator,
                              SolverOptions::Preconditioner preconditioner)
-    : cloth_(cloth), tolerance_(options.tolerance), assembly_(cloth, pattern, forces, integrator),
+    : cloth_(cloth), tolerance_(options.tolerance.value_or(default_tolerance(preconditioner))),
+      assembly_(cloth, pattern, forces, integrator),
       solver_(cloth.mesh, pattern, solver_options(options, preconditioner)) {}
 
 StepReport ImplicitEuler::predict(const StepStart& start, const Freedom& freedom,

@@ -12,14 +12,15 @@ namespace taut::test {
 namespace {
 
 /// A patch of 81 vertices on the plane through the origin that is inclined by `angle` (rad).
-Case patch_on_a_plane(const std::string& contact, double angle = 0, double friction = 0.3) {
+Case patch_on_a_plane(const std::string& contact, double angle = 0, double friction = 0.3,
+                      const char* cells = "quads") {
   const Vec3 normal(std::sin(angle), 0, std::cos(angle));
   Case input =
-      case_of(fmt::format("cloth: {{grid: {{size: [0.1, 0.1], vertices: [9, 9]}}}}\n"
+      case_of(fmt::format("cloth: {{grid: {{size: [0.1, 0.1], vertices: [9, 9], cells: {}}}}}\n"
                           "time: {{end: 0.2, frame_rate: 10, max_step: 0.005}}\n"
                           "obstacles:\n  - {{plane: {{normal: [{:.17g}, 0, {:.17g}]}}, friction: {}}}\n"
                           "contact: {{thickness: 0.001, check: step, {}}}\n",
-                          normal[0], normal[2], friction, contact));
+                          cells, normal[0], normal[2], friction, contact));
   input.cloths[0].start.rotate = {Vec3::UnitY(), angle};
   input.cloths[0].start.translate = 1e-3 * normal;
   return input;
@@ -62,13 +63,16 @@ private:
 };
 
 TEST(ContactForce, CarriesTheWeight) {
-  for (const char* model : {"model: constraint", "model: impulse", "model: penalty"}) {
-    const Case input = patch_on_a_plane(model);
+  for (const auto& [model, cells] : {std::pair("model: constraint", "quads"),
+                                     {"model: constraint", "triangles"},
+                                     {"model: impulse", "quads"},
+                                     {"model: penalty", "quads"}}) {
+    const Case input = patch_on_a_plane(model, 0, 0.3, cells);
     Simulation simulation(world, input);
     MeanForce pressed;
     run(simulation, input, pressed);
-    EXPECT_NEAR(pressed.value()[2], simulation.weight(), 0.02 * simulation.weight()) << model;
-    EXPECT_LT(pressed.value().head<2>().norm(), 0.02 * simulation.weight()) << model;
+    EXPECT_NEAR(pressed.value()[2], simulation.weight(), 0.02 * simulation.weight()) << model << cells;
+    EXPECT_LT(pressed.value().head<2>().norm(), 0.02 * simulation.weight()) << model << cells;
   }
 }
 

@@ -109,21 +109,24 @@ TEST(BoundedQp, KeepsEachEntryWithItsOwnBounds) {
   }
 }
 
-constexpr const char* patch = "cloth: {grid: {size: [0.1, 0.1], vertices: [9, 9]}}\n"
-                              "velocity: {tolerance: 1e-8}\n"
-                              "time: {end: 0.2, frame_rate: 10, max_step: 0.005}\n";
+/// Quads, and triangles, which resist stretching.
+constexpr const char* all_cells[] = {"quads", "triangles"};
+
+constexpr const char* patch = "cloth: {{grid: {{size: [0.1, 0.1], vertices: [9, 9], cells: {}}}}}\n"
+                              "velocity: {{tolerance: 1e-8}}\n"
+                              "time: {{end: 0.2, frame_rate: 10, max_step: 0.005}}\n";
 
 /// A patch on a plane through the origin that is inclined by `angle` (rad); its motion after `end` seconds.
 struct Slid {
   Vec3 moved = Vec3::Zero();
   double speed = 0;
 };
-Slid slide(double angle, double friction, double end = 0.2) {
+Slid slide(const char* cells, double angle, double friction, double end = 0.2) {
   const Vec3 normal(std::sin(angle), 0, std::cos(angle));
   const Vec3 start = 1e-3 * normal;
   const Case input = case_of(fmt::format("{}obstacles:\n  - {{plane: {{normal: [{:.17g}, 0, {:.17g}]}}, "
                                          "friction: {}}}\ncontact: {{thickness: 0.001, check: step}}\n",
-                                         patch, normal[0], normal[2], friction));
+                                         fmt::format(patch, cells), normal[0], normal[2], friction));
   Case turned = input;
   turned.cloths[0].start.rotate = {Vec3::UnitY(), angle};
   turned.cloths[0].start.translate = start;
@@ -148,22 +151,26 @@ Slid slide(double angle, double friction, double end = 0.2) {
 
 TEST(Friction, SticksBelowCoulombsAngle) {
   const double limit = std::atan(0.5), degree = std::acos(-1.0) / 180;
-  EXPECT_LT(slide(limit - degree, 0.5).moved.norm(), 2e-4);
+  for (const char* cells : all_cells)
+    EXPECT_LT(slide(cells, limit - degree, 0.5).moved.norm(), 2e-4) << cells;
 }
 
 // What programs leave of slip does not add up from step to step: to 1.5 mm here, if it did.
 TEST(Friction, DoesNotCreepWhereItSticks) {
   const double angle = std::atan(0.5) - 0.25 * std::acos(-1.0) / 180;
-  EXPECT_LT(slide(angle, 0.5, 4).moved.norm(), 3e-5);
+  for (const char* cells : all_cells) EXPECT_LT(slide(cells, angle, 0.5, 4).moved.norm(), 3e-5) << cells;
 }
 
 TEST(Friction, SlidesAboveItAsCoulombSays) {
   const double limit = std::atan(0.5), degree = std::acos(-1.0) / 180;
-  for (const double angle : {limit + degree, limit + 5 * degree}) {
-    const double acceleration = 9.81 * (std::sin(angle) - 0.5 * std::cos(angle));
-    EXPECT_NEAR(slide(angle, 0.5).speed, 0.2 * acceleration, 1e-3 + 0.01 * 0.2 * acceleration);
+  for (const char* cells : all_cells) {
+    SCOPED_TRACE(cells);
+    for (const double angle : {limit + degree, limit + 5 * degree}) {
+      const double acceleration = 9.81 * (std::sin(angle) - 0.5 * std::cos(angle));
+      EXPECT_NEAR(slide(cells, angle, 0.5).speed, 0.2 * acceleration, 1e-3 + 0.01 * 0.2 * acceleration);
+    }
+    EXPECT_NEAR(slide(cells, limit, 0.0).speed, 0.2 * 9.81 * std::sin(limit), 1e-3);
   }
-  EXPECT_NEAR(slide(limit, 0.0).speed, 0.2 * 9.81 * std::sin(limit), 1e-3);
 }
 
 TEST(ContactProjection, WithoutContactIsFastProjectionToTheLastDigit) {
@@ -231,17 +238,23 @@ TEST(ContactProjection, HoldsStrainAndNeverIntersects) {
 
 // What lies on pinned cloth, its pins bear.
 TEST(ContactProjection, TellsPinsWhatPressesOnThem) {
-  for (const auto& [model, tolerance] : {std::pair("constraint", 0.02), {"impulse", 0.06}}) {
-    SCOPED_TRACE(model);
+  for (const auto& [cells, velocity, model, tolerance] :
+       {std::tuple("quads", "solver: mumps", "constraint", 0.02),
+        {"triangles", "tolerance: 1e-8", "constraint", 0.02},
+        {"triangles", "solver: mumps", "constraint", 0.02},
+        {"quads", "solver: mumps", "impulse", 0.06}}) {
+    SCOPED_TRACE(fmt::format("{} {} {}", cells, velocity, model));
     Simulation simulation(
-        world, case_of("cloths:\n"
-                       "  - {name: lower, grid: {size: [0.1, 0.1], vertices: [5, 5]}}\n"
-                       "  - {name: upper, grid: {size: [0.1, 0.1], vertices: [5, 5]},\n"
-                       "     start: {translate: [0.013, 0.007, 0.002]}, material: {damping: {mass: 20}}}\n"
-                       "pins: [{cloth: lower, range: [0, 24]}]\n"
-                       "velocity: {solver: mumps}\n"
-                       "contact: {thickness: 0.002, model: " +
-                       std::string(model) + "}\ntime: {end: 0.3, frame_rate: 10, max_step: 0.005}\n"));
+        world, case_of(fmt::format(
+                   "cloths:\n"
+                   "  - {{name: lower, grid: {{size: [0.1, 0.1], vertices: [5, 5], cells: {0}}}}}\n"
+                   "  - {{name: upper, grid: {{size: [0.1, 0.1], vertices: [5, 5], cells: {0}}},\n"
+                   "     start: {{translate: [0.013, 0.007, 0.002]}}, material: {{damping: {{mass: 20}}}}}}\n"
+                   "pins: [{{cloth: lower, range: [0, 24]}}]\n"
+                   "velocity: {{{2}}}\n"
+                   "contact: {{thickness: 0.002, model: {1}}}\n"
+                   "time: {{end: 0.3, frame_rate: 10, max_step: 0.005}}\n",
+                   cells, model, velocity)));
     Recorder r(simulation);
     run_to_the_end(simulation, r);
     EXPECT_NEAR(r.records.back().pin_forces[0][2], simulation.weight(), tolerance * simulation.weight());
@@ -295,7 +308,7 @@ TEST(ContactProjection, NamesAPinThatDragsClothThroughAnObstacle) {
 }
 
 TEST(ContactProjection, RefusesPredictionsThatTearTheMesh) {
-  Case input = case_of(std::string(patch) +
+  Case input = case_of(fmt::format(patch, "quads") +
                        "pins: [{vertices: [0], motion: [{time: 0}, {time: 0.01, translate: [0, 0, 1000]}]}]\n"
                        "contact: {thickness: 0.001}\n");
   input.time.min_step = 4e-3; // shorter ones only fail to project
@@ -308,13 +321,13 @@ TEST(ContactProjection, RefusesPredictionsThatTearTheMesh) {
 }
 
 TEST(ContactProjection, RefusesThicknessBeyondTheMesh) {
-  const Case input = case_of(std::string(patch) + "contact: {thickness: 0.02}\n");
+  const Case input = case_of(fmt::format(patch, "quads") + "contact: {thickness: 0.02}\n");
   EXPECT_THROW(Simulation(world, input), InputError);
 }
 
 TEST(IntersectionCheck, RefusesACrossedStart) {
-  const Case input =
-      case_of(std::string(patch) + "obstacles: [{sphere: {centre: [0.05, 0.05, 0], radius: 0.02}}]\n");
+  const Case input = case_of(fmt::format(patch, "quads") +
+                             "obstacles: [{sphere: {centre: [0.05, 0.05, 0], radius: 0.02}}]\n");
   Simulation simulation(world, input);
   IntersectionCheck check(simulation.cloth(), simulation.obstacles(), input);
   const Folder folder;
