@@ -55,6 +55,7 @@ private:
   void begin(const StepStart& start, Candidate& candidate);
   void keep_violation(const StepStart& start);
   void iterate(const StepStart& start, Candidate& candidate, StepReport& report);
+  bool is_balanced(double dt) const;
   double project(const StepStart& start, Candidate& candidate, StepReport& report);
   double unit_of_movement(const StepStart& start, const Candidate& candidate);
   bool solve(double dt, double unit, Candidate& candidate, StepReport& report);
@@ -71,6 +72,7 @@ private:
   const Pins& pins_;
   config::Inextensibility options_;
   double gravity_;      ///< m/s^2; 1 where there is none
+  double weight_;       ///< N, of the whole cloth, by that
   double longest_step_; ///< s
   Integrator integrator_;
   StepAssembly assembly_;
