@@ -4,7 +4,6 @@
 #include "src/constraints/mixed_set.hpp"
 #include "src/constraints/projection_options.hpp"
 #include "src/linear/kkt_system.hpp"
-#include "src/state/resolve.hpp"
 #include "src/time/added_pull.hpp"
 #include "src/time/make_contact_projection.hpp"
 
@@ -27,9 +26,8 @@ constexpr double turned = 0.1; // strain that says that edges have turned much
 template<ConstraintSetInNewton Set>
 NewtonStep<Set>::NewtonStep(const StepperParts& parts, const Case& input)
     : cloth_(parts.cloth), pins_(parts.pins), options_(parts.resolved.inextensibility),
-      gravity_(input.gravity.largest() > 0 ? input.gravity.largest() : 1.0),
-      weight_(mass_of(parts.cloth) * gravity_), longest_step_(input.time.max_step),
-      integrator_(input.time.integrator),
+      gravity_(input.gravity.largest() > 0 ? input.gravity.largest() : 1.0), weight_(parts.resolved.weight),
+      longest_step_(input.time.max_step), integrator_(input.time.integrator),
       assembly_(parts.cloth, parts.pattern, parts.forces, input.time.integrator),
       set_(parts.cloth, options_, ConstraintUse::in_newton),
       solver_(parts.cloth, parts.pattern, set_, solver_options(options_).kind),
@@ -106,8 +104,7 @@ void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, Step
     set_.residual(rows_);
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] -= kept_[row];
     const double unit = unit_of_movement(start, candidate);
-    const bool is_settled = !has_contacts() || contact_->foreseen().is_settled() || is_balanced(start.dt);
-    const bool may_end = is_solved && strain <= options_.strain && is_settled;
+    const bool may_end = is_solved && strain <= options_.strain && is_settled(start.dt);
     const bool must_end = !std::isfinite(strain) || report.iterations >= options_.max_iterations;
     report.residual = is_solved && (may_end || must_end) ? solver_.movement(left_) / unit : 0.0;
     if (may_end && report.residual <= options_.residual) return;
@@ -120,6 +117,12 @@ void NewtonStep<Set>::iterate(const StepStart& start, Candidate& candidate, Step
     }
     if (!solve(start.dt, unit, candidate, report)) return;
   }
+}
+
+/// Whether contacts agree, or need not. Collective.
+template<ConstraintSetInNewton Set>
+bool NewtonStep<Set>::is_settled(double dt) const {
+  return !has_contacts() || contact_->foreseen().is_settled() || is_balanced(dt);
 }
 
 /// Whether the forces that are left, all together, are so small a part of the weight that it makes no

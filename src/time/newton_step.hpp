@@ -41,7 +41,8 @@ namespace taut {
 /// (NewtonSolver::movement) by at most `residual` times what gravity, or a stronger acceleration, does in the
 /// step. Strain alone says nothing of that: where solves were stopped by it, the cloth fell in slow motion.
 /// Solves leave a tenth of it, so that in most steps one is enough, and what buckles, where one solve is far
-/// from enough, is accepted all the same.
+/// from enough, is accepted all the same. With contact, solves also go on until contacts agree on which of
+/// them press, or the forces that are left are too small for that to matter.
 template<ConstraintSetInNewton Set>
 class NewtonStep : public Stepper {
 public:
@@ -55,6 +56,7 @@ private:
   void begin(const StepStart& start, Candidate& candidate);
   void keep_violation(const StepStart& start);
   void iterate(const StepStart& start, Candidate& candidate, StepReport& report);
+  bool is_settled(double dt) const;
   bool is_balanced(double dt) const;
   double project(const StepStart& start, Candidate& candidate, StepReport& report);
   double unit_of_movement(const StepStart& start, const Candidate& candidate);
@@ -72,7 +74,7 @@ private:
   const Pins& pins_;
   config::Inextensibility options_;
   double gravity_;      ///< m/s^2; 1 where there is none
-  double weight_;       ///< N, of the whole cloth, by that
+  double weight_;       ///< N, of the whole cloth
   double longest_step_; ///< s
   Integrator integrator_;
   StepAssembly assembly_;
