@@ -37,7 +37,9 @@ std::vector<int> scatter(MPI_Comm comm, const Slab& slab, const std::vector<idx_
   return part;
 }
 
-std::vector<idx_t> metis_k_way(std::vector<idx_t>& degrees, std::vector<idx_t>& neighbours, idx_t parts) {
+/// `work` may be empty.
+std::vector<idx_t> metis_k_way(const std::vector<idx_t>& degrees, std::vector<idx_t>& neighbours,
+                               std::vector<idx_t>& work, idx_t parts) {
   idx_t vertices = idx_t(degrees.size()), constraints = 1, cut = 0;
   std::vector<idx_t> offsets(degrees.size() + 1, 0), owner(degrees.size(), 0);
   std::partial_sum(degrees.begin(), degrees.end(), offsets.begin() + 1);
@@ -45,9 +47,9 @@ std::vector<idx_t> metis_k_way(std::vector<idx_t>& degrees, std::vector<idx_t>& 
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
   options[METIS_OPTION_UFACTOR] = 10; // at most 1 % over the mean
-  const int status =
-      METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr,
-                          nullptr, &parts, nullptr, nullptr, options, &cut, owner.data());
+  const int status = METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(),
+                                         work.empty() ? nullptr : work.data(), nullptr, nullptr, &parts,
+                                         nullptr, nullptr, options, &cut, owner.data());
   if (status != METIS_OK)
     throw InputError("METIS could not partition the mesh; try partition.method: stripes");
   return owner;
@@ -61,24 +63,23 @@ std::vector<int> stripes(const Slab& slab, int parts) {
 
 } // namespace
 
-std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method,
-                           int parts) {
-  if (method == Partitioner::stripes || parts == 1 || parts >= mesh.vertices.total)
-    return stripes(mesh.vertices, parts);
-  if (method == Partitioner::ptscotch) return ptscotch_parts(comm, mesh, topology, parts);
-  const Global adjacencies = sum_over(comm, Global(topology.spokes.size()));
+std::vector<int> partition(MPI_Comm comm, const Slab& vertices, const PartitionGraph& graph,
+                           Partitioner method, int parts) {
+  if (method == Partitioner::stripes || parts == 1 || parts >= vertices.total)
+    return stripes(vertices, parts);
+  if (method == Partitioner::ptscotch) return ptscotch_parts(comm, vertices, graph, parts);
+  const Global adjacencies = sum_over(comm, Global(graph.neighbours.size()));
   if (adjacencies > std::numeric_limits<idx_t>::max())
     throw InputError("the mesh has more edges than METIS can number; try partition.method: ptscotch");
 
-  std::vector<idx_t> degrees(mesh.vertices.count), neighbours(topology.spokes.size());
-  for (std::size_t i = 0; i < degrees.size(); ++i)
-    degrees[i] = idx_t(topology.star[i + 1] - topology.star[i]);
-  for (std::size_t i = 0; i < neighbours.size(); ++i) neighbours[i] = idx_t(topology.spokes[i].neighbour);
+  std::vector<idx_t> degrees(vertices.count);
+  for (std::size_t i = 0; i < degrees.size(); ++i) degrees[i] = idx_t(graph.begin[i + 1] - graph.begin[i]);
   degrees = gather(comm, degrees);
-  neighbours = gather(comm, neighbours);
+  std::vector<idx_t> neighbours = gather(comm, {graph.neighbours.begin(), graph.neighbours.end()});
+  std::vector<idx_t> work = gather(comm, {graph.work.begin(), graph.work.end()});
   std::vector<idx_t> owner;
-  on_rank_0(comm, [&] { owner = metis_k_way(degrees, neighbours, parts); });
-  return scatter(comm, mesh.vertices, owner);
+  on_rank_0(comm, [&] { owner = metis_k_way(degrees, neighbours, work, parts); });
+  return scatter(comm, vertices, owner);
 }
 
 } // namespace taut

@@ -1,5 +1,5 @@
 #pragma once
-#include "partition/topology.hpp"
+#include "partition/partition_graph.hpp"
 
 namespace taut {
 
@@ -11,10 +11,16 @@ enum class Partitioner {
 
 /// The part, of `parts`, that each vertex of this rank's slab belongs to. Parts may end up empty, e.g. when
 /// there are more of them than vertices. Collective.
-std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, Partitioner method,
-                           int parts);
+std::vector<int> partition(MPI_Comm comm, const Slab& vertices, const PartitionGraph& graph,
+                           Partitioner method, int parts);
 
-/// The same with one part a rank: the owner of each vertex.
+/// The same of a mesh alone.
+inline std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
+                                  Partitioner method, int parts) {
+  return partition(comm, mesh.vertices, graph_of(topology), method, parts);
+}
+
+/// And with one part a rank: the owner of each vertex.
 inline std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                                   Partitioner method) {
   return partition(comm, mesh, topology, method, size_of(comm));

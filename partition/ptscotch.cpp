@@ -35,14 +35,18 @@ private:
 /// The graph in PT-Scotch's hands; the arrays stay here.
 class ScotchGraph {
 public:
-  ScotchGraph(MPI_Comm comm, const Topology& topology) : star_(topology.star.begin(), topology.star.end()) {
-    neighbours_.reserve(topology.spokes.size() + 1); // so that even an empty slab has an address
-    for (const Spoke& s : topology.spokes) neighbours_.push_back(SCOTCH_Num(s.neighbour));
+  ScotchGraph(MPI_Comm comm, const PartitionGraph& graph)
+      : begin_(graph.begin.begin(), graph.begin.end()), work_(graph.work.begin(), graph.work.end()) {
+    neighbours_.reserve(graph.neighbours.size() + 1); // so that even an empty slab has an address
+    neighbours_.assign(graph.neighbours.begin(), graph.neighbours.end());
+    const bool is_even = !any_of(comm, !work_.empty());
+    work_.reserve(1);
     status_ = SCOTCH_dgraphInit(&graph_, comm);
     if (status_ != 0) return;
-    const SCOTCH_Num vertices = SCOTCH_Num(star_.size()) - 1, ends = SCOTCH_Num(topology.spokes.size());
-    status_ = SCOTCH_dgraphBuild(&graph_, 0, vertices, vertices, star_.data(), star_.data() + 1, nullptr,
-                                 nullptr, ends, ends, neighbours_.data(), nullptr, nullptr);
+    const SCOTCH_Num vertices = SCOTCH_Num(begin_.size()) - 1, ends = SCOTCH_Num(neighbours_.size());
+    status_ = SCOTCH_dgraphBuild(&graph_, 0, vertices, vertices, begin_.data(), begin_.data() + 1,
+                                 is_even ? nullptr : work_.data(), nullptr, ends, ends, neighbours_.data(),
+                                 nullptr, nullptr);
   }
   ~ScotchGraph() { SCOTCH_dgraphExit(&graph_); }
   ScotchGraph(const ScotchGraph&) = delete;
@@ -66,18 +70,19 @@ public:
 private:
   SCOTCH_Dgraph graph_;
   int status_ = 0;
-  std::vector<SCOTCH_Num> star_, neighbours_;
+  std::vector<SCOTCH_Num> begin_, work_, neighbours_;
 };
 
 } // namespace
 
-std::vector<int> ptscotch_parts(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology, int parts) {
-  if (sum_over(comm, Global(topology.spokes.size())) > std::numeric_limits<SCOTCH_Num>::max())
+std::vector<int> ptscotch_parts(MPI_Comm comm, const Slab& vertices, const PartitionGraph& graph, int parts) {
+  if (sum_over(comm, Global(graph.neighbours.size())) > std::numeric_limits<SCOTCH_Num>::max())
     throw InputError("the mesh has more edges than this PT-Scotch can number; link one that was built with "
                      "64-bit integers, or try partition.method: stripes");
-  ScotchGraph graph(comm, topology);
-  std::vector<SCOTCH_Num> part(std::size_t(mesh.vertices.count) + 1);
-  const bool refused = any_of(comm, !graph.sound()) || any_of(comm, !graph.cut(size_of(comm), parts, part));
+  ScotchGraph in_scotch(comm, graph);
+  std::vector<SCOTCH_Num> part(std::size_t(vertices.count) + 1);
+  const bool refused =
+      any_of(comm, !in_scotch.sound()) || any_of(comm, !in_scotch.cut(size_of(comm), parts, part));
   if (refused)
     throw InputError("PT-Scotch could not partition the mesh; try partition.method: metis or stripes");
   return {part.begin(), part.end() - 1};

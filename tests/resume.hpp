@@ -1,6 +1,7 @@
 #pragma once
 // Runs on some of the ranks, cut at a step and gone on with on others.
 #include "src/output/checkpoint.hpp"
+#include "src/output/checkpoint_cut.hpp"
 #include "tests/simulate.hpp"
 
 #include <filesystem>
@@ -76,7 +77,7 @@ inline Result go_on(
     const std::function<void(State&)>& change = [](State&) {}) {
   Result result;
   Some(ranks).do_it([&](MPI_Comm comm) {
-    Simulation simulation(comm, case_of(text));
+    Simulation simulation(comm, case_of(text), cut_of_checkpoint(file));
     Checkpoint c = read_checkpoint(file, simulation.cloth().mesh);
     change(c.state);
     simulation.restore(std::move(c.state), c.step_size, c.rejected_steps);

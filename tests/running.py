@@ -109,7 +109,7 @@ def rows(run):
 
 def table(run):
     """steps.csv without what the clock says."""
-    return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s")}
+    return [{k: v for k, v in row.items() if k not in ("velocity_s", "projection_s", "contact_s")}
             for row in Run(run).read_steps()[1]]
 
 

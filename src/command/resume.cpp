@@ -6,6 +6,7 @@
 #include "src/command/start_contact.hpp"
 #include "src/config/changes.hpp"
 #include "src/output/checkpoint.hpp"
+#include "src/output/checkpoint_cut.hpp"
 #include "src/output/run_files.hpp"
 
 #include <fmt/format.h>
@@ -146,6 +147,19 @@ Checkpoint read_of(const Simulation& simulation, const fs::path& file) {
   return checkpoint;
 }
 
+/// As the latest checkpoint was cut that can be read; `latest` tells of the others.
+Cut cut_of(const std::vector<fs::path>& files) {
+  return [files](MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+    for (const fs::path& file : files) {
+      try {
+        return cut_of_checkpoint(file)(comm, cloth, input);
+      } catch (const InputError&) { // on all ranks alike
+      }
+    }
+    return cut_at_start(comm, cloth, input);
+  };
+}
+
 /// The latest checkpoint that can be read, with a word on those that cannot.
 Checkpoint latest(const Simulation& simulation, const std::vector<fs::path>& files) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
@@ -160,14 +174,14 @@ Checkpoint latest(const Simulation& simulation, const std::vector<fs::path>& fil
   }
 }
 
-/// Puts the simulation where the latest sound checkpoint is; the totals of the run until then.
-Totals take_up(Simulation& simulation, const std::vector<fs::path>& files) {
+/// Puts the simulation where the latest sound checkpoint is; the checkpoint, without its state.
+Checkpoint take_up(Simulation& simulation, const std::vector<fs::path>& files) {
   const DistributedMesh& mesh = simulation.cloth().mesh;
   Checkpoint checkpoint = latest(simulation, files);
   simulation.restore(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
   if (rank_of(mesh.comm) == 0)
     fmt::print("resuming at t = {:.6g} s, after step {}\n", simulation.state().time, simulation.state().step);
-  return std::move(checkpoint.totals);
+  return checkpoint;
 }
 
 void check_folder(MPI_Comm comm, const fs::path& folder) {
@@ -210,22 +224,22 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   const std::vector<fs::path> checkpoints = candidates(comm, options, out);
   if (const auto then = case_before(comm, checkpoints, input)) tell_changes(comm, *then, input);
   const Case stage = before ? case_of(*before, input, options.folder) : input;
-  Simulation simulation(comm, stage);
-  Totals totals;
+  auto simulation = std::make_unique<Simulation>(comm, stage, cut_of(checkpoints));
+  Checkpoint before_this;
   if (!checkpoints.empty()) {
-    check_mesh(simulation.cloth(), out / run_files::mesh);
-    totals = take_up(simulation, checkpoints);
+    check_mesh(simulation->cloth(), out / run_files::mesh);
+    before_this = take_up(*simulation, checkpoints);
   } else if (rank_of(comm) == 0) {
     fmt::print("{}: the run was cut off before its first checkpoint: it begins anew\n", out.string());
   }
   const auto clear = [&] {
-    return before ? clear_stage(*before, simulation, stage, options.folder)
-                  : prepare_start(simulation, stage, out / run_files::findings);
+    return before ? clear_stage(*before, *simulation, stage, options.folder)
+                  : prepare_start(*simulation, stage, out / run_files::findings);
   };
   if (checkpoints.empty() && !clear()) return step_failure;
-  const State& state = simulation.state();
-  const Global next_frame = simulation.step_size().frame_after(state.time);
-  const bool is_over = next_frame > simulation.step_size().frames() || has_arrived(stage, simulation);
+  const State& state = simulation->state();
+  const Global next_frame = simulation->step_size().frame_after(state.time);
+  const bool is_over = next_frame > simulation->step_size().frames() || has_arrived(stage, *simulation);
   if (is_over && has_ended(comm, out) && !before) {
     if (rank_of(comm) == 0)
       fmt::print("{}: the run is complete: it has reached its end at {:g} s; go on further with --set "
@@ -233,15 +247,22 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
                  out.string(), state.time);
     return success;
   }
-  try_petsc_options(simulation, input, options.petsc);
+  try_petsc_options(*simulation, input, options.petsc);
   drop_after(comm, out, state.step, state.step > 0 ? next_frame : 0);
-  announce(comm, simulation, stage, out);
-  const int code = simulate(
-      comm, stage, simulation,
-      {stop, out, options.progress, began, std::move(totals), {}, case_as_run(input), options.folder});
+  announce(comm, *simulation, stage, out);
+  const int code = simulate(comm, stage, simulation,
+                            {stop,
+                             out,
+                             options.progress,
+                             began,
+                             std::move(before_this.totals),
+                             {},
+                             case_as_run(input),
+                             options.folder,
+                             before_this.balance});
   if (!before || code != success) return code;
   const CaseSource source{out / run_files::case_as_run, options.overrides, options.petsc};
-  return run_after(*before, comm, input, simulation,
+  return run_after(*before, comm, input, *simulation,
                    {source, options.folder, ExistingRun::overwrite, options.progress, {}, {}}, stop, began);
 }
 

@@ -64,14 +64,14 @@ int run(MPI_Comm comm, const RunOptions& given) {
   if (!options.counters.empty()) try_counters(comm, options.counters, out);
   if (is_carried(input)) return run_carried(comm, input, options, stop, began);
   if (input.sewing) return run_sewing(comm, input, options, stop, began);
-  Simulation simulation(comm, input);
-  try_petsc_options(simulation, input, options.source.petsc);
-  if (!prepare_start(simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
-  warn_of_start(simulation, input);
+  auto simulation = std::make_unique<Simulation>(comm, input);
+  try_petsc_options(*simulation, input, options.source.petsc);
+  if (!prepare_start(*simulation, input, std::filesystem::path(out) += ".findings.vtp")) return step_failure;
+  warn_of_start(*simulation, input);
   make_run_folder(comm, out, input.file);
   const RunLock lock(comm, out);
   clear_run_folder(comm, out, options.existing);
-  announce(comm, simulation, input, out);
+  announce(comm, *simulation, input, out);
   return simulate(comm, input, simulation, {stop, out, options.progress, began, {}, options.counters});
 }
 

@@ -152,12 +152,12 @@ void tell_stage(MPI_Comm comm, const Case& input, int number, std::string_view w
   if (rank_of(comm) == 0) fmt::print("{}: stage {} of {}: {}\n", input.name, number, stages_of(input), what);
 }
 
-int run_stage(SewingStage which, const Case& stage, Simulation& simulation, MPI_Comm comm, const Case& input,
-              const RunOptions& options, const StopSignal& stop, double began) {
+int run_stage(SewingStage which, const Case& stage, std::unique_ptr<Simulation>& simulation, MPI_Comm comm,
+              const Case& input, const RunOptions& options, const StopSignal& stop, double began) {
   const fs::path out = folder_of(which, options.out);
   make_run_folder(comm, out, input.file);
   clear_run_folder(comm, out, ExistingRun::overwrite);
-  announce(comm, simulation, stage, out);
+  announce(comm, *simulation, stage, out);
   const int code = simulate(comm, stage, simulation,
                             {stop, out, options.progress, began, {}, {}, case_as_run(input), options.out});
   if (which == SewingStage::fitting && code == step_failure && rank_of(comm) == 0)
@@ -224,15 +224,15 @@ int run_sewing(MPI_Comm comm, const Case& given, const RunOptions& options, cons
                double began) {
   const Case input = checked_and_ready(comm, given);
   const Case stage = sewing_case(input);
-  Simulation simulation(comm, stage);
-  try_petsc_options(simulation, input, options.source.petsc);
-  if (!clear_stage(SewingStage::sewing, simulation, stage, options.out)) return step_failure;
+  auto simulation = std::make_unique<Simulation>(comm, stage);
+  try_petsc_options(*simulation, input, options.source.petsc);
+  if (!clear_stage(SewingStage::sewing, *simulation, stage, options.out)) return step_failure;
   make_run_folder(comm, options.out, input.file);
   const RunLock lock(comm, options.out);
   clear_run_folder(comm, options.out, options.existing);
   tell_stage(comm, input, 1, "panels are drawn together at their seams");
   const int code = run_stage(SewingStage::sewing, stage, simulation, comm, input, options, stop, began);
-  return code == success ? run_after(SewingStage::sewing, comm, input, simulation, options, stop, began)
+  return code == success ? run_after(SewingStage::sewing, comm, input, *simulation, options, stop, began)
                          : code;
 }
 
@@ -244,10 +244,10 @@ int run_after(SewingStage before, MPI_Comm comm, const Case& input, const Simula
   if (before == SewingStage::sewing && !input.obstacles.empty()) {
     tell_stage(comm, input, 2, "bodies grow to their size");
     const Case stage = fitting_case(input, meshes_after(SewingStage::sewing, input, out));
-    Simulation simulation(comm, stage);
-    if (!clear_stage(SewingStage::fitting, simulation, stage, out)) return step_failure;
+    auto simulation = std::make_unique<Simulation>(comm, stage);
+    if (!clear_stage(SewingStage::fitting, *simulation, stage, out)) return step_failure;
     const int code = run_stage(SewingStage::fitting, stage, simulation, comm, input, options, stop, began);
-    return code == success ? run_after(SewingStage::fitting, comm, input, simulation, options, stop, began)
+    return code == success ? run_after(SewingStage::fitting, comm, input, *simulation, options, stop, began)
                            : code;
   }
   tell_stage(comm, input, stages_of(input), "the case itself, with the garment");
@@ -260,10 +260,10 @@ int run_garments(MPI_Comm comm, Case input, std::span<const fs::path> meshes, co
   fill_in(input, shortest_edges(comm, input));
   Case stage = with_meshes(std::move(input), meshes);
   stage.sewing.reset();
-  Simulation simulation(comm, stage);
-  if (!clear_weld(simulation, stage, options.out)) return step_failure;
+  auto simulation = std::make_unique<Simulation>(comm, stage);
+  if (!clear_weld(*simulation, stage, options.out)) return step_failure;
   clear_run_folder(comm, options.out, options.existing);
-  announce(comm, simulation, stage, options.out);
+  announce(comm, *simulation, stage, options.out);
   return simulate(comm, stage, simulation,
                   {stop, options.out, options.progress, began, {}, options.counters});
 }

@@ -3,6 +3,7 @@
 #include "io/whole_file.hpp"
 #include "src/command/arrival.hpp"
 #include "src/command/counters.hpp"
+#include "src/output/checkpoint_cut.hpp"
 #include "src/output/checkpointer.hpp"
 #include "src/output/frame_formats.hpp"
 #include "src/output/frame_writer.hpp"
@@ -83,30 +84,34 @@ std::string case_as_run(Case input) {
   return write_case(input);
 }
 
-int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const RunContext& context) {
+namespace {
+
+/// To the end, and then the exit code; or to where the cloth is to be cut anew, with a checkpoint there.
+std::optional<int> run_part(MPI_Comm comm, const Case& input, Simulation& simulation,
+                            const RunContext& context, const std::string& text) {
   const fs::path& out = context.out;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
-  const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
-  write_text_whole(comm, out / run_files::case_as_run, text);
-  tell_of_bodies(comm, input, simulation.obstacles());
-
   Written written;
   FrameWriter frames(simulation.cloth(), simulation.obstacles(), steps, input, out, written);
   StepLog log(comm, out / run_files::steps, energy_names(simulation.forces()), input.pins.size(), state.step);
   Progress progress(comm, context.progress, steps.frames(), input.time.end);
   IntersectionCheck intersections(simulation.cloth(), simulation.obstacles(), input);
   Summary summary(simulation, input, intersections, context.totals, context.began);
-  Checkpointer checkpoints(simulation, summary, input.checkpoint, out, text, written);
-  std::vector<Observer*> observers{&frames, &log, &progress, &summary};
+  ContactBalance balance(simulation.cloth().mesh.vertices.total, context.balance);
+  Checkpointer checkpoints(simulation, summary, balance, input.checkpoint, out, text, written);
+  std::vector<Observer*> observers{&frames, &log, &progress, &summary, &balance};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
+  bool is_stopped = false;
   Outcome outcome = simulation.run(
-      observers, [&] { return context.stop.received(comm); }, [&] { return has_arrived(input, simulation); });
+      observers, [&] { return (is_stopped = context.stop.received(comm)) || balance.wants_another_cut(); },
+      [&] { return has_arrived(input, simulation); });
   if (outcome.completed() && input.sewing) outcome = judge_seams(input, simulation);
 
   frames.flush();
   checkpoints.write();
+  if (outcome.ending == Ending::interrupted && !is_stopped) return std::nullopt;
   if (const Global found = summary.totals(0).intersections; outcome.completed() && found > 0)
     outcome = {
         Ending::failed,
@@ -120,6 +125,36 @@ int simulate(MPI_Comm comm, const Case& input, Simulation& simulation, const Run
   if (outcome.completed()) report_success(comm, input, simulation, summary.totals(written.seconds), out);
   report_failure(comm, outcome, context.whole.empty() ? out : context.whole);
   return exit_code(outcome.ending);
+}
+
+/// By what is near each other now: the run goes on from its last checkpoint.
+void cut_anew(MPI_Comm comm, const Case& input, std::unique_ptr<Simulation>& simulation, RunContext& part) {
+  part.began = MPI_Wtime();
+  const fs::path file = checkpoint_file(part.out, simulation->state().step);
+  simulation.reset();
+  simulation = std::make_unique<Simulation>(comm, input, cut_by_checkpoint(file));
+  const DistributedMesh& mesh = simulation->cloth().mesh;
+  Checkpoint checkpoint = read_checkpoint(file, mesh);
+  simulation->restore(std::move(checkpoint.state), checkpoint.step_size, checkpoint.rejected_steps);
+  part.totals = std::move(checkpoint.totals);
+  part.balance = {};
+  if (rank_of(comm) == 0)
+    fmt::print("t {:.3f} s: cut anew by what is near each other now ({} edges cut, imbalance {:.3f})\n",
+               simulation->state().time, mesh.report.edge_cut, mesh.report.imbalance);
+}
+
+} // namespace
+
+int simulate(MPI_Comm comm, const Case& input, std::unique_ptr<Simulation>& simulation,
+             const RunContext& context) {
+  RunContext part = context;
+  const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
+  write_text_whole(comm, part.out / run_files::case_as_run, text);
+  tell_of_bodies(comm, input, simulation->obstacles());
+  for (;;) {
+    if (const auto code = run_part(comm, input, *simulation, part, text)) return *code;
+    cut_anew(comm, input, simulation, part);
+  }
 }
 
 void announce(MPI_Comm comm, const Simulation& simulation, const Case& input, const fs::path& out) {

@@ -15,6 +15,7 @@ struct StepCounts {
   Global linear_iterations = 0;   ///< of the filters' linear solver, over all of `iterations`
   Global contacts = 0;            ///< features in reach of each other
   Global contacts_if_even = 0;    ///< if every rank had as many as the one with most
+  Global contacts_across = 0;     ///< those of features on different ranks
   double smallest_gap = HUGE_VAL; ///< m, between what can collide; infinite: not in reach, or not looked for
   double velocity_seconds = 0;
   double projection_seconds = 0; ///< without `contact_seconds`
@@ -34,6 +35,7 @@ struct StepCounts {
     linear_iterations += other.linear_iterations;
     contacts += other.contacts;
     contacts_if_even += other.contacts_if_even;
+    contacts_across += other.contacts_across;
     smallest_gap = std::min(smallest_gap, other.smallest_gap);
     add_seconds_of(other);
     return *this;

@@ -1,6 +1,8 @@
 #include "src/output/checkpoint.hpp"
 
 #include "io/hdf5.hpp"
+#include "src/output/checkpoint_cut.hpp"
+#include "src/output/checkpoint_format.hpp"
 
 #include <fmt/format.h>
 
@@ -16,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Global format = 5;
-constexpr const char *format_name = "taut_checkpoint", *case_name = "case", *numbers_name = "numbers";
+constexpr const char *case_name = "case", *numbers_name = "numbers";
 
 /// Everything in a checkpoint but the case, once, for writing and for reading.
 template<class C, class V>
@@ -31,6 +32,10 @@ void visit_checkpoint(C& checkpoint, V& visit) {
   visit("failures", checkpoint.step_size.failures);
   visit("grew", checkpoint.step_size.grew);
   visit("rejected_steps", checkpoint.rejected_steps);
+  visit("start_depth", checkpoint.state.start_depth);
+  visit("steps_with_cut", checkpoint.balance.steps);
+  visit("waste", checkpoint.balance.waste);
+  visit("least_waste", checkpoint.balance.least);
   visit_totals(checkpoint.totals, visit);
   visit_fields(checkpoint.state, visit);
 }
@@ -203,13 +208,6 @@ private:
   std::map<std::string, std::string> numbers_;
 };
 
-void check_format(const H5Reader& file) {
-  if (const Global found = file.attribute<Global>(format_name); found != format)
-    throw InputError(fmt::format("{}: a checkpoint of format {}, this taut reads format {}; resume with the "
-                                 "taut that wrote it",
-                                 file.path().string(), found, format));
-}
-
 /// What no run leaves, though it is a number.
 void check_values(const fs::path& path, const Checkpoint& c) {
   const auto require = [&](bool plausible, const char* name, auto value) {
@@ -232,17 +230,18 @@ void check_values(const fs::path& path, const Checkpoint& c) {
 
 void write_checkpoint(const fs::path& path, const DistributedMesh& mesh, const CheckpointView& checkpoint) {
   write_whole(mesh.comm, path, [&](H5Writer& file) {
-    file.attribute(format_name, format);
+    file.attribute(checkpoint_format_name, checkpoint_format);
     file.attribute(case_name, checkpoint.case_text);
     Writing writing(file, mesh);
     visit_checkpoint(checkpoint, writing);
     file.attribute(numbers_name, writing.numbers());
+    write_cut(file, mesh);
   });
 }
 
 Checkpoint read_checkpoint(const fs::path& path, const DistributedMesh& mesh) {
   const H5Reader file(mesh.comm, path, Checksum::required);
-  check_format(file);
+  check_checkpoint_format(file);
   Checkpoint checkpoint;
   checkpoint.case_text = file.attribute<std::string>(case_name);
   Reading reading(file, mesh);
@@ -253,7 +252,7 @@ Checkpoint read_checkpoint(const fs::path& path, const DistributedMesh& mesh) {
 
 std::string read_case_of_checkpoint(MPI_Comm comm, const fs::path& path) {
   const H5Reader file(comm, path, Checksum::required);
-  check_format(file);
+  check_checkpoint_format(file);
   return file.attribute<std::string>(case_name);
 }
 

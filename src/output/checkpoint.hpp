@@ -1,5 +1,6 @@
 #pragma once
 #include "src/output/totals.hpp"
+#include "src/time/contact_balance.hpp"
 #include "src/time/simulation.hpp"
 
 #include <filesystem>
@@ -15,6 +16,7 @@ struct CheckpointView {
   const StepSize::Memory& step_size;
   Global rejected_steps;
   const Totals& totals;
+  const ContactBalance::Memory& balance;
 };
 
 /// The same on its own.
@@ -24,8 +26,9 @@ struct Checkpoint {
   StepSize::Memory step_size;
   Global rejected_steps = 0;
   Totals totals;
+  ContactBalance::Memory balance{};
 
-  operator CheckpointView() const { return {case_text, state, step_size, rejected_steps, totals}; }
+  operator CheckpointView() const { return {case_text, state, step_size, rejected_steps, totals, balance}; }
 };
 
 /// Appears whole or not at all. Throws InputError if it cannot be written. Collective.

@@ -19,10 +19,11 @@ double intervals(double time, double interval) { return std::floor(time / interv
 
 } // namespace
 
-Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary, config::Checkpoint when,
+Checkpointer::Checkpointer(const Simulation& simulation, const Summary& summary,
+                           const ContactBalance& balance, config::Checkpoint when,
                            std::filesystem::path run_folder, std::string case_text, Written& written)
-    : simulation_(simulation), summary_(summary), when_(when), folder_(std::move(run_folder)),
-      case_text_(std::move(case_text)), written_(written) {}
+    : simulation_(simulation), summary_(summary), balance_(balance), when_(when),
+      folder_(std::move(run_folder)), case_text_(std::move(case_text)), written_(written) {}
 
 void Checkpointer::at_start(const State& state) {
   last_time_ = state.time;
@@ -52,7 +53,7 @@ void Checkpointer::write() {
   const Totals totals = summary_.totals(written_.seconds);
   make_files_lasting();
   write_checkpoint(checkpoint_file(folder_, state.step), simulation_.cloth().mesh,
-                   {case_text_, state, steps, simulation_.rejected_steps(), totals});
+                   {case_text_, state, steps, simulation_.rejected_steps(), totals, balance_.memory()});
   keep_last_two();
   last_step_ = state.step;
   last_time_ = state.time;

@@ -8,10 +8,11 @@ namespace taut {
 /// Writes the checkpoints of a run when the case says so; keeps the last two.
 class Checkpointer : public Observer {
 public:
-  /// All references must outlive it. `case_text` is the case as run. What it writes is added to `written`;
-  /// the files there will outlive the machine before a checkpoint appears.
-  Checkpointer(const Simulation& simulation, const Summary& summary, config::Checkpoint when,
-               std::filesystem::path run_folder, std::string case_text, Written& written);
+  /// All references must outlive it, and see a step before. `case_text` is the case as run. What it writes is
+  /// added to `written`; the files there will outlive the machine before a checkpoint appears.
+  Checkpointer(const Simulation& simulation, const Summary& summary, const ContactBalance& balance,
+               config::Checkpoint when, std::filesystem::path run_folder, std::string case_text,
+               Written& written);
 
   void at_start(const State& state) override;
   void between_steps(const State& state) override;
@@ -26,6 +27,7 @@ private:
 
   const Simulation& simulation_;
   const Summary& summary_;
+  const ContactBalance& balance_;
   config::Checkpoint when_;
   std::filesystem::path folder_;
   std::string case_text_;

@@ -163,6 +163,8 @@ std::string Summary::text(const Outcome& outcome, Global frames, double output_s
        {{"pairs_max", all.contacts_max},
         {"imbalance",
          all.counts.contacts > 0 ? double(all.counts.contacts_if_even) / double(all.counts.contacts) : 1.0},
+        {"across",
+         all.counts.contacts > 0 ? double(all.counts.contacts_across) / double(all.counts.contacts) : 0.0},
         {"gap_min", std::isfinite(all.counts.smallest_gap) ? Json(all.counts.smallest_gap) : Json()},
         {"intersections", all.intersections}}},
       {"partition",

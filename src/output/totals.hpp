@@ -32,6 +32,7 @@ void visit_totals(T& totals, V& visit) {
   visit("contacts_max", totals.contacts_max);
   visit("contacts", totals.counts.contacts);
   visit("contacts_if_even", totals.counts.contacts_if_even);
+  visit("contacts_across", totals.counts.contacts_across);
   visit("smallest_gap", totals.counts.smallest_gap);
   visit("intersections", totals.intersections);
   visit("residual_max", totals.residual_max);

@@ -160,50 +160,77 @@ UndistributedCloth read_cloth(MPI_Comm comm, const Case& input) {
   return all;
 }
 
-Cloth load_cloth(MPI_Comm comm, const Case& input) {
-  auto [mesh, pieces, ties] = read_cloth(comm, input);
-  const auto owners = partition(comm, mesh.slab, mesh.topology, Partitioner(input.partition.method));
-  Cloth cloth = make_cloth(distribute(comm, mesh.slab, mesh.topology, owners), std::move(pieces));
-  cloth.ties = std::move(ties);
+namespace {
+
+/// Of the vertices of one piece, as its file has them, to this rank's slab of all; others stay.
+void take_shape(MPI_Comm comm, const Slab& all, const Piece& piece, const Case& input, std::size_t k,
+                std::vector<Vec3>& rows) {
+  const config::Cloth& given = input.cloths[k];
+  const int ranks = size_of(comm);
+  const Slab mine = slab_of(piece.vertices, ranks, rank_of(comm));
+  auto shape = read_positions(comm, input.folder() / *given.start.shape, given.scale, mine);
+  config::turn_upright(up_of(given), shape);
+  std::vector<int> to;
+  for (Global i = 0; i < mine.count; ++i)
+    to.push_back(slab_rank(all.total, ranks, piece.first_vertex + mine.first + i));
+  const auto received = exchange(comm, shape, to).items; // in order
+  const Global first = std::max(all.first, piece.first_vertex);
+  std::copy(received.begin(), received.end(), rows.begin() + (received.empty() ? 0 : first - all.first));
+}
+
+/// Where the vertices of this rank's slab, which are at `rows` at rest, are at the start.
+std::vector<Vec3> at_start(MPI_Comm comm, const Slab& slab, std::span<const Piece> pieces, const Case& input,
+                           std::vector<Vec3> rows) {
+  for (std::size_t k = 0; k < input.cloths.size(); ++k) {
+    const config::Start& start = input.cloths[k].start;
+    if (start.shape) take_shape(comm, slab, pieces[k], input, k, rows);
+    const Eigen::AngleAxisd turn(start.rotate.angle, start.rotate.axis.normalized());
+    const Global first = std::max(slab.first, pieces[k].first_vertex),
+                 end = std::min(slab.first + slab.count, pieces[k].first_vertex + pieces[k].vertices);
+    for (Global i = first; i < end; ++i) rows[i - slab.first] = turn * rows[i - slab.first] + start.translate;
+  }
+  return rows;
+}
+
+} // namespace
+
+PartitionGraph graph_to_cut(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
+                            std::span<const Vec3> places) {
+  constexpr double near = 1.2; // edges
+  const auto& [slab, topology] = cloth.mesh;
+  const double reach = input.has_contact() ? near * mean_edge(comm, slab, topology) : 0.0;
+  return reach > 0 ? graph_of(topology, find_near(comm, slab.vertices, places, reach)) : graph_of(topology);
+}
+
+std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+  const MeshSlab& mesh = cloth.mesh.slab;
+  return at_start(comm, mesh.vertices, cloth.pieces, input, mesh.rest_positions);
+}
+
+std::vector<int> cut_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+  return partition(comm, cloth.mesh.slab.vertices,
+                   graph_to_cut(comm, cloth, input, places_at_start(comm, cloth, input)),
+                   Partitioner(input.partition.method), size_of(comm));
+}
+
+Cloth load_cloth(MPI_Comm comm, const Case& input, const Cut& cut) {
+  UndistributedCloth given = read_cloth(comm, input);
+  const std::vector<int> owners = cut(comm, given, input);
+  Cloth cloth =
+      make_cloth(distribute(comm, given.mesh.slab, given.mesh.topology, owners), std::move(given.pieces));
+  cloth.ties = std::move(given.ties);
   return cloth;
 }
 
 namespace {
 
-/// Of the vertices of one piece, as its file has them, to this rank's slab of all; others stay.
-void take_shape(const Cloth& cloth, const Case& input, std::size_t k, std::vector<Vec3>& rows) {
-  const DistributedMesh& mesh = cloth.mesh;
-  const Piece& piece = cloth.pieces[k];
-  const config::Cloth& given = input.cloths[k];
-  const int ranks = size_of(mesh.comm);
-  const Slab mine = slab_of(piece.vertices, ranks, rank_of(mesh.comm)), all = mesh.vertex_order.slab();
-  auto shape = read_positions(mesh.comm, input.folder() / *given.start.shape, given.scale, mine);
-  config::turn_upright(up_of(given), shape);
-  std::vector<int> to;
-  for (Global i = 0; i < mine.count; ++i)
-    to.push_back(slab_rank(all.total, ranks, piece.first_vertex + mine.first + i));
-  const auto received = exchange(mesh.comm, shape, to).items; // in order
-  const Global first = std::max(all.first, piece.first_vertex);
-  std::copy(received.begin(), received.end(), rows.begin() + (received.empty() ? 0 : first - all.first));
-}
-
 std::vector<Vec3> start_positions(const Cloth& cloth, const Case& input) {
   const DistributedMesh& mesh = cloth.mesh;
   std::vector<Vec3> positions = mesh.rest_positions;
-  if (std::any_of(input.cloths.begin(), input.cloths.end(), [](const auto& c) { return c.start.shape; })) {
-    auto rows = mesh.vertex_order.to_slab<Vec3>(positions);
-    for (std::size_t k = 0; k < input.cloths.size(); ++k)
-      if (input.cloths[k].start.shape) take_shape(cloth, input, k, rows);
-    mesh.vertex_order.from_slab<Vec3>(rows, positions);
-    mesh.vertex_halo.update(positions);
-  }
-  std::vector<Eigen::AngleAxisd> turns;
-  for (const config::Cloth& c : input.cloths)
-    turns.emplace_back(c.start.rotate.angle, c.start.rotate.axis.normalized());
-  for (Local i = 0; i < mesh.vertices.size(); ++i) {
-    const std::size_t k = cloth.piece_of(i);
-    positions[i] = turns[k] * positions[i] + input.cloths[k].start.translate;
-  }
+  const auto rows = at_start(mesh.comm, mesh.vertex_order.slab(), cloth.pieces, input,
+                             mesh.vertex_order.to_slab<Vec3>(positions));
+  mesh.vertex_order.from_slab<Vec3>(rows, positions);
+  mesh.vertex_halo.update(positions);
   return positions;
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 #include "partition/join.hpp"
+#include "partition/partition_graph.hpp"
 #include "src/state/state.hpp"
+
+#include <functional>
 
 namespace taut {
 
@@ -15,9 +18,23 @@ struct UndistributedCloth {
 /// Collective.
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input);
 
+/// What of it is cut for the ranks: the mesh, and if it can collide what is near each other where the
+/// vertices of this rank's slab are at `places` (m). Collective.
+PartitionGraph graph_to_cut(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
+                            std::span<const Vec3> places);
+
+/// m, of this rank's slab of vertices. Collective.
+std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input);
+
+/// The rank that each vertex of this rank's slab is given to. Collective.
+using Cut = std::function<std::vector<int>(MPI_Comm, const UndistributedCloth&, const Case&)>;
+
+/// By what is near each other at the start.
+std::vector<int> cut_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input);
+
 /// The cloths of a case, on all ranks: read or made, checked, partitioned. Throws InputError for a mesh that
 /// cannot be simulated. Collective.
-Cloth load_cloth(MPI_Comm comm, const Case& input);
+Cloth load_cloth(MPI_Comm comm, const Case& input, const Cut& cut = cut_at_start);
 
 /// At rest, in the start shape. Throws InputError for a cloth too far away to be computed. Collective.
 State start_state(const Cloth& cloth, const Case& input);

@@ -38,6 +38,7 @@ struct State {
   Multipliers multipliers{};
   Reported reported{};
   BodyGrowth bodies{};
+  double start_depth = 0; ///< m along gravity, of the lowest point at the start; only for reports
 
   /// The step before, for bdf2; empty where there was none, and for the other integrators.
   std::vector<Vec3> previous_positions{}, previous_velocities{};

@@ -3,7 +3,6 @@
 #include "partition/traffic.hpp"
 #include "src/config/methods.hpp"
 #include "src/contact/body_growth.hpp"
-#include "src/state/start.hpp"
 #include "src/time/make_forces.hpp"
 #include "src/time/make_stepper.hpp"
 #include "src/time/where_strained.hpp"
@@ -33,16 +32,16 @@ Vec3 down_of(const Vec3& gravity) {
 
 } // namespace
 
-Simulation::Simulation(MPI_Comm comm, const Case& input)
-    : down_(down_of(input.gravity.at(0))), cloth_(load_cloth(comm, input)), obstacles_(comm, input),
+Simulation::Simulation(MPI_Comm comm, const Case& input, const Cut& cut)
+    : down_(down_of(input.gravity.at(0))), cloth_(load_cloth(comm, input, cut)), obstacles_(comm, input),
       resolved_(resolve(input, cloth_)), state_(start_state(cloth_, input)),
-      start_depth_(lowest(cloth_, state_.positions, down_)),
       acceptance_(cloth_, resolved_, input.time.max_stretch_change), pins_(cloth_, input, state_.positions),
       pattern_(cloth_.mesh),
       forces_(make_forces(cloth_, obstacles_, pattern_, input, resolved_, state_.positions)),
       stepper_(
           make_stepper({cloth_, obstacles_, pattern_, pins_, resolved_, state_.positions, forces_}, input)),
       step_size_(input.time) {
+  state_.start_depth = lowest(cloth_, state_.positions, down_);
   grow_bodies();
 }
 
@@ -62,7 +61,7 @@ void Simulation::restore(State state, const StepSize::Memory& steps, Global reje
 
 void Simulation::set_start(State state) {
   state_ = std::move(state);
-  start_depth_ = lowest(cloth_, state_.positions, down_);
+  state_.start_depth = lowest(cloth_, state_.positions, down_);
 }
 
 Outcome Simulation::run(std::span<Observer* const> observers, const std::function<bool()>& stop,
@@ -144,7 +143,7 @@ Relaxed Simulation::relax() {
       dt *= shorter;
     }
   }
-  start_depth_ = lowest(cloth_, state_.positions, down_);
+  state_.start_depth = lowest(cloth_, state_.positions, down_);
   return result;
 }
 
@@ -208,7 +207,7 @@ void Simulation::measure(StepRecord& record) const {
   record.counts.cpu_seconds = sums[1];
   for (auto f = forces; f != sums.end(); f += 3) record.pin_forces.emplace_back(f[0], f[1], f[2]);
   record.face_strain = acceptance_.face_strain(state_.positions);
-  record.depth = lowest(cloth_, state_.positions, down_) - start_depth_;
+  record.depth = lowest(cloth_, state_.positions, down_) - state_.start_depth;
 }
 
 } // namespace taut

@@ -1,4 +1,5 @@
 #pragma once
+#include "src/state/start.hpp"
 #include "src/time/acceptance.hpp"
 #include "src/time/observer.hpp"
 #include "src/time/relaxed.hpp"
@@ -23,7 +24,7 @@ struct Outcome {
 class Simulation {
 public:
   /// Sets everything up; throws InputError for what is wrong with the case. Collective.
-  Simulation(MPI_Comm comm, const Case& input);
+  Simulation(MPI_Comm comm, const Case& input, const Cut& cut = cut_at_start);
 
   /// From the present state until the end time, until a step would have to be smaller than `time.min_step`,
   /// until `stop`, asked between steps, says so on all ranks, or until `finished`, asked after each frame,
@@ -82,7 +83,6 @@ private:
   Obstacles obstacles_;
   Resolved resolved_;
   State state_;
-  double start_depth_; ///< m, of the lowest point
   Acceptance acceptance_;
   Pins pins_;
   Pattern pattern_;

@@ -167,6 +167,44 @@ class Resume(Folder):
                       self.taut("info", "run")[1])
 
 
+COMES_DOWN = """\
+name: comes-down
+cloths:
+  - {name: low, grid: {size: [0.4, 0.4], vertices: [33, 33]}, start: {translate: [0, 0, 0.003]}}
+  - {name: high, grid: {size: [0.4, 0.4], vertices: [33, 33]}, start: {translate: [0, 0, 0.05]}}
+obstacles: [{plane: {}}]
+contact: {thickness: 2 mm}
+time: {end: 0.2, frame_rate: 20, max_step: 0.005}
+"""
+
+
+class CutAnew(Folder):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "case.yaml").write_text(COMES_DOWN)
+
+    def test_a_run_is_cut_anew_where_cloth_comes_together(self):
+        code, out, err = self.taut("run", "case.yaml", "--out", "whole", ranks=2)
+        self.assertEqual((code, err), (0, ""))
+        self.assertIn("cut anew by what is near each other now", out)
+        whole = self.folder / "whole"
+        self.assertEqual([int(r["step"]) for r in table(whole)], list(range(1, 41)))
+        self.assertEqual(len(listed_frames(whole)), 5)
+        self.assert_readable(whole)
+        self.assertEqual(summary(whole)["steps"], 40)
+        for steps in (10, 30):  # before it and behind it
+            run = self.stop_run(f"stopped-{steps}", steps, ranks=2)
+            code, out, err = self.taut("resume", run.name, ranks=2)
+            self.assertEqual((code, err), (0, ""))
+            self.assertEqual("cut anew" in out, steps == 10)
+            self.assert_same_run(run, whole)
+
+    def test_one_rank_has_nothing_to_cut(self):
+        code, out, err = self.taut("run", "case.yaml", "--out", "one")
+        self.assertEqual((code, err), (0, ""))
+        self.assertNotIn("cut anew", out)
+
+
 class Checkpoints(Folder):
     def test_are_written_when_asked_and_two_are_kept(self):
         never = "checkpoint={every_steps: 0, every_time: 0, every_wall: 0}"

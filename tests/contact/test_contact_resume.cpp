@@ -207,5 +207,98 @@ TEST_F(Contacts, WithoutTheClothAreRefused) {
   }
 }
 
+/// Two squares, the second one comes down on the first, which lies on the floor.
+constexpr const char* comes_down = "cloths:\n"
+                                   "  - {name: low, grid: {size: [0.4, 0.4], vertices: [17, 17]},\n"
+                                   "     start: {translate: [0, 0, 0.005]}}\n"
+                                   "  - {name: high, grid: {size: [0.4, 0.4], vertices: [17, 17]},\n"
+                                   "     start: {translate: [0, 0, 0.05]}}\n"
+                                   "obstacles: [{plane: {}}]\n"
+                                   "contact: {thickness: 4.0e-3}\n"
+                                   "time: {end: 0.2, frame_rate: 10, max_step: 0.005}\n";
+
+/// Counts the contacts of all steps and those across ranks.
+struct Across : Observer {
+  Global contacts = 0, across = 0;
+  void after_step(const State&, const StepRecord& record) override {
+    contacts += record.counts.contacts;
+    across += record.counts.contacts_across;
+  }
+};
+
+/// The part of contacts that is across ranks from a checkpoint to the end.
+double across_after(const std::filesystem::path& file, const Cut& cut) {
+  Simulation simulation(world, case_of(comes_down), cut);
+  Checkpoint c = read_checkpoint(file, simulation.cloth().mesh);
+  simulation.restore(std::move(c.state), c.step_size, c.rejected_steps);
+  Across seen;
+  Observer* const observers[] = {&seen};
+  EXPECT_TRUE(simulation.run(observers).completed());
+  EXPECT_GT(seen.contacts, 289);
+  return double(seen.across) / double(seen.contacts);
+}
+
+TEST(ContactResume, CutAnewKeepsLayersTogether) {
+  const Folder folder;
+  run_and_cut(comes_down, all(), 36, folder / "a.h5"); // some steps before the end they lie on each other
+  const double as_before = across_after(folder / "a.h5", cut_of_checkpoint(folder / "a.h5"));
+  const double anew = across_after(folder / "a.h5", cut_by_checkpoint(folder / "a.h5"));
+  EXPECT_LE(anew, as_before);
+  if (all() == 1) {
+    EXPECT_EQ(as_before, 0);
+  }
+  if (all() == 2) {
+    EXPECT_GT(as_before, 0.2) << "one square a rank";
+    EXPECT_LT(anew, 0.5 * as_before);
+  }
+}
+
+StepRecord record_of(Global contacts, Global if_even, Global across) {
+  StepRecord record;
+  record.counts.contacts = contacts;
+  record.counts.contacts_if_even = if_even;
+  record.counts.contacts_across = across;
+  return record;
+}
+
+TEST(ContactBalance, WantsAnotherCutWhereMoreIsWasted) {
+  ContactBalance balance(1000, {});
+  const State state;
+  const auto see = [&](int steps, const StepRecord& record) {
+    for (int k = 0; k < steps; ++k) balance.after_step(state, record);
+    return balance.wants_another_cut();
+  };
+  EXPECT_FALSE(see(50, record_of(1000, 1000, 0))) << "nothing is wasted";
+  EXPECT_FALSE(see(50, record_of(1000, 1100, 20)));
+  EXPECT_TRUE(see(50, record_of(1000, 1900, 0))) << "uneven";
+  EXPECT_FALSE(see(50, record_of(1000, 1000, 0)));
+  EXPECT_TRUE(see(50, record_of(1000, 1000, 200))) << "across";
+}
+
+TEST(ContactBalance, IsContentWithWhatACutCannotHelp) {
+  const State state;
+  ContactBalance balance(1000, {});
+  for (int k = 0; k < 100; ++k) {
+    balance.after_step(state, record_of(1000, 1500, 300));
+    EXPECT_FALSE(balance.wants_another_cut());
+  }
+  ContactBalance few(100000, {});
+  for (int k = 0; k < 100; ++k) {
+    few.after_step(state, k < 50 ? record_of(0, 0, 0) : record_of(100, 400, 100));
+    EXPECT_FALSE(few.wants_another_cut()) << "contact is hardly any of the work";
+  }
+}
+
+TEST(ContactBalance, GoesOnFromItsMemory) {
+  const State state;
+  ContactBalance whole(1000, {}), first(1000, {});
+  for (int k = 0; k < 7; ++k)
+    for (ContactBalance* b : {&whole, &first}) b->after_step(state, record_of(500 + k, 600, 10 * k));
+  ContactBalance second(1000, first.memory());
+  for (int k = 0; k < 7; ++k)
+    for (ContactBalance* b : {&whole, &second}) b->after_step(state, record_of(700, 900 + k, 0));
+  EXPECT_EQ(whole.memory(), second.memory());
+}
+
 } // namespace
 } // namespace taut::test

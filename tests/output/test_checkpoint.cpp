@@ -127,6 +127,7 @@ TEST(Checkpoint, HoldsEverything) {
               .linear_iterations = 6,
               .contacts = 11,
               .contacts_if_even = 12,
+              .contacts_across = 3,
               .smallest_gap = 1e-3,
               .velocity_seconds = 0.1,
               .projection_seconds = 0.2,
@@ -136,6 +137,7 @@ TEST(Checkpoint, HoldsEverything) {
   t.strain_max = 1.0 / 3, t.strain_squares = 1e-300, t.strain_limit = 0.01;
   t.histogram = {double(rank_of(world)), 1.0};
   t.seconds = 0.3, t.setup_seconds = 0.4, t.output_seconds = 0.5;
+  written.balance = {.steps = 13, .waste = 0.7, .least = 1.0 / 3};
   write_checkpoint(folder / "a.h5", simulation.cloth().mesh, written);
   const Checkpoint read = read_checkpoint(folder / "a.h5", simulation.cloth().mesh);
 
@@ -152,6 +154,8 @@ TEST(Checkpoint, HoldsEverything) {
   EXPECT_EQ(read.step_size.patience, 16);
   EXPECT_TRUE(read.step_size.grew);
   EXPECT_EQ(read.rejected_steps, 17);
+  EXPECT_EQ(read.balance, written.balance);
+  EXPECT_EQ(read.state.start_depth, written.state.start_depth);
   const Totals& r = read.totals;
   EXPECT_EQ(r.steps, t.steps);
   EXPECT_EQ(r.counts, t.counts);
