@@ -116,6 +116,7 @@ void ContactRows::find_contacts() {
   for (std::size_t k = 0; k < scene_.search.pairs().size(); ++k) {
     const Pair& pair = scene_.search.pairs()[k];
     const Approach& here = safe_.approach_of(k);
+    seen_[k].has_stopped = safe_.was_stopped_by(k);
     add_contact(pair, here, seen_[k]);
     const bool is_round = pair.body >= 0 && scene_.obstacles().body(pair.body).is_round;
     if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, here);
@@ -141,20 +142,21 @@ void ContactRows::add_contact(const Pair& pair, const Approach& here, Seen& seen
   const double gap = gap_along(pair, here, scene_.target_field());
   const double nearest = std::min(gap, here.gap);
   const bool is_near = nearest < thickness_.largest_near() && nearest < thickness_.near(pair, keys);
-  const bool has_stopped = safe_.was_stopped_by(pair);
-  if (!is_near && !has_stopped) return;
+  if (!is_near && !seen.has_stopped) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
       (pair.kind == PairKind::edge_edge && !inside) ||
       (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own(), aslant_));
-  if (is_covered && !has_stopped) return;
+  if (is_covered && !seen.has_stopped) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved
   auto& [key, record] = known_as(pair, here, seen);
-  if (std::exchange(record.round, round_) == round_) return; // another pair has found it
+  const int last_round = std::exchange(record.round, round_);
+  if (last_round == round_) return; // another pair has found it
   const double violation = gap_wanted(pair, here) - gap;
-  const bool is_close = violation > -close * thickness_.of(pair, keys) || has_stopped;
+  const bool is_close = violation > -close * thickness_.of(pair, keys) || seen.has_stopped;
+  if (last_round > 0 && !is_close && !record.has_pressed()) return; // see drop_idle
   contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key,
                        friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
   records_.push_back(&record);
@@ -169,7 +171,8 @@ ContactRows::Known::value_type& ContactRows::known_as(const Pair& pair, const Ap
   if (seen.contact && seen.features == features) return *seen.contact;
   const auto [known, is_new] = known_.try_emplace(key_of(pair, here, scene_.search.keys()));
   if (is_new) unknown_.push_back(known->first);
-  seen = {features, &*known}; // which stays where it is
+  seen.features = features;
+  seen.contact = &*known; // which stays where it is
   return *known;
 }
 
@@ -207,8 +210,7 @@ void ContactRows::recall() {
 void ContactRows::drop_idle() {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const ContactRecord& record = *records_[k];
-    if (!contacts_[k].is_close && record.impulse.normal <= 0 && !record.before) continue;
+    if (!contacts_[k].is_close && !records_[k]->has_pressed()) continue;
     contacts_[kept] = contacts_[k];
     records_[kept++] = records_[k];
   }

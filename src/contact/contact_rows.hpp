@@ -88,12 +88,15 @@ private:
     Vec3 drift = Vec3::Zero();            ///< m, at the start of the step
     Vec3 drifted = Vec3::Zero();          ///< m, at the target
     int round = 0;                        ///< that found it last
+
+    bool has_pressed() const { return impulse.normal > 0 || before; }
   };
   using Known = std::unordered_map<ContactKey, ContactRecord, HashOfKey>;
   /// The contact that a pair was when it was looked at last, by which of its features were in play.
   struct Seen {
     unsigned features = 0; ///< a bit for each of its vertices with a weight
     Known::value_type* contact = nullptr;
+    bool has_stopped = false; ///< the safe iterate
   };
 
   double fall(double seconds) const;

@@ -35,6 +35,12 @@ void SafeIterate::measure_gaps(std::size_t known) {
     approaches_.push_back(approach(pair, at(pair, field_)));
 }
 
+void SafeIterate::keep_pairs(std::size_t known) {
+  has_stopped_.resize(known);
+  for (const Pair& pair : scene_.search.pairs().subspan(known))
+    has_stopped_.push_back(!blocked_.empty() && blocked_.contains(name_of(pair, scene_.search.keys())));
+}
+
 double SafeIterate::safe_fraction_to_target() {
   scene_.gather_target();
   stuck_.clear();
@@ -47,6 +53,7 @@ double SafeIterate::safe_fraction_to_target() {
     const double part = safe_fraction_of(pair, approaches_[k], at(pair, way));
     if (part < 1) {
       blocked_.insert(name_of(pair, search.keys()));
+      has_stopped_[k] = true;
       stuck_.push_back(Local(k));
     }
     alpha = std::min(alpha, part);

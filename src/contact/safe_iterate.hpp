@@ -22,6 +22,10 @@ public:
   /// What it still has before it.
   Motion motion() const { return ContactScene::between(here_, scene_.target); }
 
+  /// The search has other pairs than when they were looked at last, but the first `known` are the same. Not
+  /// collective.
+  void keep_pairs(std::size_t known);
+
   /// Distances and directions at this place, of all pairs but the first `known`. Collective over neighbours.
   void measure_gaps(std::size_t known);
 
@@ -49,10 +53,7 @@ public:
   const std::vector<Vec3>& cloth() const { return here_.cloth; } ///< m, of local vertices
   std::span<const Vec3> field() const { return field_; }         ///< as gaps were measured last
   const Approach& approach_of(std::size_t pair) const { return approaches_[pair]; }
-  bool was_stopped() const { return !blocked_.empty(); } ///< in this step, on this rank
-  bool was_stopped_by(const Pair& pair) const {
-    return was_stopped() && blocked_.contains(name_of(pair, scene_.search.keys()));
-  }
+  bool was_stopped_by(std::size_t pair) const { return has_stopped_[pair]; } ///< in this step
 
 private:
   double safe_fraction_of(const Pair& pair, const Approach& here, const Four& way) const;
@@ -62,6 +63,7 @@ private:
   Scene here_;
   std::vector<Vec3> field_;
   std::vector<Approach> approaches_;                  ///< of the pairs
+  std::vector<char> has_stopped_;                     ///< of the pairs: whether they are blocked
   std::unordered_set<ContactKey, HashOfKey> blocked_; ///< pairs that stopped it
   std::vector<Local> stuck_;                          ///< pairs that stopped it last
 };

@@ -33,6 +33,11 @@ Edges edges_of(const Cloth& cloth, std::size_t piece) {
   return {-max_over(cloth.mesh.comm, -shortest), sums[0] / std::max(1.0, sums[1])};
 }
 
+bool has_only_faces(const Cloth& cloth) {
+  const auto is_line = [](const auto& cell) { return cell.size() == 2; };
+  return !any_of(cloth.mesh.comm, std::ranges::any_of(cloth.mesh.cells, is_line));
+}
+
 double thickness_of(const Case& input, std::size_t k, const Edges& edges) {
   const config::Contact contact = input.contact.value_or(config::Contact{});
   const auto& own = input.cloths[k].thickness;
@@ -49,7 +54,8 @@ double thickness_of(const Case& input, std::size_t k, const Edges& edges) {
 
 } // namespace
 
-Thickness::Thickness(const Cloth& cloth, const Case& input) : cloth_(cloth) {
+Thickness::Thickness(const Cloth& cloth, const Case& input)
+    : cloth_(cloth), has_faces_(has_only_faces(cloth)) {
   for (std::size_t k = 0; k < cloth.pieces.size(); ++k) {
     const Edges edges = edges_of(cloth, k);
     of_piece_.push_back(thickness_of(input, k, edges));
@@ -63,7 +69,8 @@ double Thickness::near(const Pair& pair, std::span<const Global> keys) const {
   const double most = near_thicknesses * of(pair, keys);
   if (pair.body >= 0) return most;
   const std::size_t piece = cloth_.piece_of_original(keys[pair.vertices[0]]);
-  return piece == cloth_.piece_of_original(keys[pair.vertices[3]]) ? own_near_[piece] : most;
+  const bool is_own = piece == cloth_.piece_of_original(keys[pair.vertices[3]]);
+  return is_own ? part_of(pair) * own_near_[piece] : most;
 }
 
 double Thickness::of_features(Global first, Global second) const {

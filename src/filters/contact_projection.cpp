@@ -103,7 +103,8 @@ FilterReport ContactProjection<Set>::correct(const State& start, double dt, cons
   });
   rows_.make(1);
   if (is_kept(strain, report)) {
-    note_contacts(candidate, report);
+    note_contacts(candidate);
+    count_contacts(report);
     candidate.multipliers.contacts = rows_.memory();
   } else {
     iterate(start, dt, freedom, candidate, report);
@@ -139,8 +140,13 @@ void ContactProjection<Set>::iterate(const State& start, double dt, const Freedo
   set_.start(start, dt, freedom, candidate);
   for (iteration_ = 1;; rows_.make(++iteration_)) {
     report.failure = project(report);
-    note_contacts(candidate, report); // before another search renumbers what the rows refer to
-    if (!report.failure.empty() || ends_after_moving(report)) break;
+    count_contacts(report);
+    if (!report.failure.empty()) break;
+    const double asked = set_.strain(scene_.target.cloth);
+    const bool is_last = iteration_ == options_.contact.max_iterations;
+    // Noted before another search renumbers what the rows refer to.
+    if (asked <= options_.limits.strain || is_last) note_contacts(candidate);
+    if (ends_after_moving(asked, report)) break;
   }
   propose(start, dt, candidate);
 }
@@ -167,6 +173,7 @@ void ContactProjection<Set>::find_pairs() {
 template<ConstraintSet Set>
 void ContactProjection<Set>::update_pairs(std::size_t known) {
   scene_.gather_start();
+  safe_.keep_pairs(known);
   safe_.measure_gaps(known);
   rows_.keep_pairs(known);
 }
@@ -223,10 +230,9 @@ std::string ContactProjection<Set>::project(FilterReport& report) {
 }
 
 template<ConstraintSet Set>
-void ContactProjection<Set>::note_contacts(Candidate& candidate, FilterReport& report) {
+void ContactProjection<Set>::note_contacts(Candidate& candidate) {
   rows_.note_drift();
   rows_.report_forces(candidate);
-  count_contacts(report);
 }
 
 template<ConstraintSet Set>
@@ -241,12 +247,12 @@ void ContactProjection<Set>::count_contacts(FilterReport& report) const {
   report.contacts_across = sum_over(comm, Global(std::ranges::count_if(rows_.contacts(), is_across)));
 }
 
-/// Moves the safe iterate towards the target; true if the step ends there, or cannot. A target without shape
-/// is not worth the search for what is on the way: it is only projected again.
+/// Moves the safe iterate towards the target, which is strained by `asked`; true if the step ends there, or
+/// cannot. A target without shape is not worth the search for what is on the way: it is only projected again.
 template<ConstraintSet Set>
-bool ContactProjection<Set>::ends_after_moving(FilterReport& report) {
+bool ContactProjection<Set>::ends_after_moving(double asked, FilterReport& report) {
   const bool may_go_on = iteration_ < options_.contact.max_iterations;
-  const double limit = options_.limits.strain, asked = set_.strain(scene_.target.cloth);
+  const double limit = options_.limits.strain;
   if (may_go_on && asked > std::max(shapeless, limit)) return false;
   double fraction = 1;
   timed(report, [&] {

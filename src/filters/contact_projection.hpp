@@ -59,9 +59,9 @@ private:
                   FilterReport& report);
   void update_pairs(std::size_t known);
   std::string project(FilterReport& report);
-  void note_contacts(Candidate& candidate, FilterReport& report);
+  void note_contacts(Candidate& candidate);
   void count_contacts(FilterReport& report) const;
-  bool ends_after_moving(FilterReport& report);
+  bool ends_after_moving(double asked, FilterReport& report);
   void propose(const State& start, double dt, Candidate& candidate) const;
 
   ContactProjectionOptions options_;

@@ -253,7 +253,7 @@ TEST(ContactProjection, TellsPinsWhatPressesOnThem) {
                    "pins: [{{cloth: lower, range: [0, 24]}}]\n"
                    "velocity: {{{2}}}\n"
                    "contact: {{thickness: 0.002, model: {1}}}\n"
-                   "time: {{end: 0.3, frame_rate: 10, max_step: 0.005}}\n",
+                   "time: {{end: 0.7, frame_rate: 10, max_step: 0.005}}\n",
                    cells, model, velocity)));
     Recorder r(simulation);
     run_to_the_end(simulation, r);
