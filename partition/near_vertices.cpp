@@ -36,15 +36,17 @@ int rank_for(const SpaceCell& cell, int ranks) {
   return int((hash ^ hash >> 32) % std::uint64_t(ranks));
 }
 
-/// Cells have sides of twice the reach, so that a vertex visits eight at most.
+constexpr double side_of_cells = 4; ///< reaches: a vertex visits eight at most, three on the mean
+
 std::vector<Visitor> visitors(MPI_Comm comm, const Slab& slab, std::span<const Vec3> positions,
                               double reach) {
   std::vector<Visitor> sent;
   std::vector<int> to;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3 around = Vec3::Constant(reach);
-    const SpaceCell home = cell_of(positions[i], 2 * reach), low = cell_of(positions[i] - around, 2 * reach),
-                    high = cell_of(positions[i] + around, 2 * reach);
+    const double side = side_of_cells * reach;
+    const SpaceCell home = cell_of(positions[i], side), low = cell_of(positions[i] - around, side),
+                    high = cell_of(positions[i] + around, side);
     for (std::int64_t x = low[0]; x <= high[0]; ++x)
       for (std::int64_t y = low[1]; y <= high[1]; ++y)
         for (std::int64_t z = low[2]; z <= high[2]; ++z) {

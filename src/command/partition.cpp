@@ -84,9 +84,7 @@ int partition(MPI_Comm comm, const PartitionOptions& options) {
   if (options.ranks > cloth.mesh.slab.vertices.total)
     throw InputError(fmt::format("--ranks {}: the cloth has only {} vertices; give no more ranks than that",
                                  options.ranks, cloth.mesh.slab.vertices.total));
-  const PartitionGraph graph = graph_to_cut(comm, cloth, input, places_at_start(comm, cloth, input));
-  const auto owners = taut::partition(comm, cloth.mesh.slab.vertices, graph,
-                                      Partitioner(input.partition.method), options.ranks);
+  const auto owners = cut_by_places(comm, cloth, input, places_at_start(comm, cloth, input), options.ranks);
   const PartitionFigures figures =
       partition_figures(comm, cloth.mesh.slab, cloth.mesh.topology, owners, options.ranks);
   const char* method = config::word_of(input.partition.method).data();

@@ -147,12 +147,14 @@ Checkpoint read_of(const Simulation& simulation, const fs::path& file) {
   return checkpoint;
 }
 
-/// As the latest checkpoint was cut that can be read; `latest` tells of the others.
-Cut cut_of(const std::vector<fs::path>& files) {
-  return [files](MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+/// As the latest checkpoint was cut that can be read, or anew if the case wants it otherwise now; `latest`
+/// tells of the others.
+Cut cut_of(const std::vector<fs::path>& files, const config::Partition& before) {
+  return [files, before](MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+    const bool is_as_before = input.partition == before;
     for (const fs::path& file : files) {
       try {
-        return cut_of_checkpoint(file)(comm, cloth, input);
+        return (is_as_before ? cut_of_checkpoint(file) : cut_by_checkpoint(file))(comm, cloth, input);
       } catch (const InputError&) { // on all ranks alike
       }
     }
@@ -222,9 +224,11 @@ int resume(MPI_Comm comm, const ResumeOptions& options) {
   const RunLock lock(comm, options.folder); // both stages
   const Case input = load_case(comm, {out / run_files::case_as_run, options.overrides, options.petsc});
   const std::vector<fs::path> checkpoints = candidates(comm, options, out);
-  if (const auto then = case_before(comm, checkpoints, input)) tell_changes(comm, *then, input);
+  const auto then = case_before(comm, checkpoints, input);
+  if (then) tell_changes(comm, *then, input);
   const Case stage = before ? case_of(*before, input, options.folder) : input;
-  auto simulation = std::make_unique<Simulation>(comm, stage, cut_of(checkpoints));
+  auto simulation =
+      std::make_unique<Simulation>(comm, stage, cut_of(checkpoints, then.value_or(input).partition));
   Checkpoint before_this;
   if (!checkpoints.empty()) {
     check_mesh(simulation->cloth(), out / run_files::mesh);

@@ -103,10 +103,13 @@ std::optional<int> run_part(MPI_Comm comm, const Case& input, Simulation& simula
   std::vector<Observer*> observers{&frames, &log, &progress, &summary, &balance};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
+  const bool depends_on_places = input.partition.method != config::PartitionMethod::stripes;
   bool is_stopped = false;
-  Outcome outcome = simulation.run(
-      observers, [&] { return (is_stopped = context.stop.received(comm)) || balance.wants_another_cut(); },
-      [&] { return has_arrived(input, simulation); });
+  const auto stops = [&] {
+    is_stopped = context.stop.received(comm);
+    return is_stopped || (depends_on_places && balance.wants_another_cut());
+  };
+  Outcome outcome = simulation.run(observers, stops, [&] { return has_arrived(input, simulation); });
   if (outcome.completed() && input.sewing) outcome = judge_seams(input, simulation);
 
   frames.flush();

@@ -1,6 +1,5 @@
 #include "src/output/checkpoint_cut.hpp"
 
-#include "partition/partitioner.hpp"
 #include "src/output/checkpoint_format.hpp"
 
 #include <fmt/format.h>
@@ -26,9 +25,8 @@ Cut cut_by_checkpoint(const std::filesystem::path& path) {
   return [path](MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
     const H5Reader file(comm, path, Checksum::required);
     check_checkpoint_format(file);
-    const Slab& slab = cloth.mesh.slab.vertices;
-    const PartitionGraph graph = graph_to_cut(comm, cloth, input, file.read_vectors("positions", slab));
-    return partition(comm, slab, graph, Partitioner(input.partition.method), size_of(comm));
+    const auto places = file.read_vectors("positions", cloth.mesh.slab.vertices);
+    return cut_by_places(comm, cloth, input, places, size_of(comm));
   };
 }
 

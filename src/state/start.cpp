@@ -4,6 +4,7 @@
 #include "io/scatter.hpp"
 #include "partition/grid.hpp"
 #include "partition/mesh_check.hpp"
+#include "partition/partitioner.hpp"
 #include "src/config/cloths.hpp"
 #include "src/config/methods.hpp"
 #include "src/config/require_file.hpp"
@@ -194,12 +195,16 @@ std::vector<Vec3> at_start(MPI_Comm comm, const Slab& slab, std::span<const Piec
 
 } // namespace
 
-PartitionGraph graph_to_cut(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
-                            std::span<const Vec3> places) {
+std::vector<int> cut_by_places(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
+                               std::span<const Vec3> places, int parts) {
   constexpr double near = 1.2; // edges
   const auto& [slab, topology] = cloth.mesh;
-  const double reach = input.has_contact() ? near * mean_edge(comm, slab, topology) : 0.0;
-  return reach > 0 ? graph_of(topology, find_near(comm, slab.vertices, places, reach)) : graph_of(topology);
+  const auto method = Partitioner(input.partition.method);
+  const bool has_graph = method != Partitioner::stripes && parts > 1;
+  const double reach = has_graph && input.has_contact() ? near * mean_edge(comm, slab, topology) : 0.0;
+  if (reach == 0) return partition(comm, slab, topology, method, parts);
+  const NearVertices others = find_near(comm, slab.vertices, places, reach);
+  return partition(comm, slab.vertices, graph_of(topology, others), method, parts);
 }
 
 std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
@@ -208,9 +213,7 @@ std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth
 }
 
 std::vector<int> cut_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
-  return partition(comm, cloth.mesh.slab.vertices,
-                   graph_to_cut(comm, cloth, input, places_at_start(comm, cloth, input)),
-                   Partitioner(input.partition.method), size_of(comm));
+  return cut_by_places(comm, cloth, input, places_at_start(comm, cloth, input), size_of(comm));
 }
 
 Cloth load_cloth(MPI_Comm comm, const Case& input, const Cut& cut) {

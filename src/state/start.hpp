@@ -1,6 +1,5 @@
 #pragma once
 #include "partition/join.hpp"
-#include "partition/partition_graph.hpp"
 #include "src/state/state.hpp"
 
 #include <functional>
@@ -18,10 +17,11 @@ struct UndistributedCloth {
 /// Collective.
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input);
 
-/// What of it is cut for the ranks: the mesh, and if it can collide what is near each other where the
-/// vertices of this rank's slab are at `places` (m). Collective.
-PartitionGraph graph_to_cut(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
-                            std::span<const Vec3> places);
+/// The part, of `parts`, that each vertex of this rank's slab belongs to, cut as the case says. Cloth that
+/// can collide is cut by what is near each other too, where the vertices of the slab are at `places` (m).
+/// Collective.
+std::vector<int> cut_by_places(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
+                               std::span<const Vec3> places, int parts);
 
 /// m, of this rank's slab of vertices. Collective.
 std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input);

@@ -198,6 +198,11 @@ class CutAnew(Folder):
             self.assertEqual((code, err), (0, ""))
             self.assertEqual("cut anew" in out, steps == 10)
             self.assert_same_run(run, whole)
+        run = self.stop_run("other", 30, ranks=2)
+        code, out, err = self.taut("resume", run.name, "--set", "partition.method=stripes", ranks=2)
+        self.assertEqual((code, err), (0, ""))
+        self.assertIn("(0 edges cut", out)  # one square each
+        self.assertNotIn("cut anew", out)
 
     def test_one_rank_has_nothing_to_cut(self):
         code, out, err = self.taut("run", "case.yaml", "--out", "one")
