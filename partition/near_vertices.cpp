@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 
 namespace taut {
 
@@ -86,7 +87,7 @@ NearVertices find_near(MPI_Comm comm, const Slab& slab, std::span<const Vec3> po
     ++near.begin[p.vertex - slab.first + 1];
     near.others.push_back(p.other);
   }
-  for (std::size_t i = 0; i < std::size_t(slab.count); ++i) near.begin[i + 1] += near.begin[i];
+  std::partial_sum(near.begin.begin(), near.begin.end(), near.begin.begin());
   return near;
 }
 

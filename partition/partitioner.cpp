@@ -63,10 +63,13 @@ std::vector<int> stripes(const Slab& slab, int parts) {
 
 } // namespace
 
+bool needs_graph(const Slab& vertices, Partitioner method, int parts) {
+  return method != Partitioner::stripes && parts > 1 && parts < vertices.total;
+}
+
 std::vector<int> partition(MPI_Comm comm, const Slab& vertices, const PartitionGraph& graph,
                            Partitioner method, int parts) {
-  if (method == Partitioner::stripes || parts == 1 || parts >= vertices.total)
-    return stripes(vertices, parts);
+  if (!needs_graph(vertices, method, parts)) return stripes(vertices, parts);
   if (method == Partitioner::ptscotch) return ptscotch_parts(comm, vertices, graph, parts);
   const Global adjacencies = sum_over(comm, Global(graph.neighbours.size()));
   if (adjacencies > std::numeric_limits<idx_t>::max())

@@ -9,6 +9,9 @@ enum class Partitioner {
   stripes,  ///< original order cut into equal pieces: no graph, for tests and for comparison
 };
 
+/// Whether the graph is looked at: there is nothing to cut for one part, and stripes need none.
+bool needs_graph(const Slab& vertices, Partitioner method, int parts);
+
 /// The part, of `parts`, that each vertex of this rank's slab belongs to. Parts may end up empty, e.g. when
 /// there are more of them than vertices. Collective.
 std::vector<int> partition(MPI_Comm comm, const Slab& vertices, const PartitionGraph& graph,
@@ -17,7 +20,8 @@ std::vector<int> partition(MPI_Comm comm, const Slab& vertices, const PartitionG
 /// The same of a mesh alone.
 inline std::vector<int> partition(MPI_Comm comm, const MeshSlab& mesh, const Topology& topology,
                                   Partitioner method, int parts) {
-  return partition(comm, mesh.vertices, graph_of(topology), method, parts);
+  const bool is_looked_at = needs_graph(mesh.vertices, method, parts);
+  return partition(comm, mesh.vertices, is_looked_at ? graph_of(topology) : PartitionGraph{}, method, parts);
 }
 
 /// And with one part a rank: the owner of each vertex.

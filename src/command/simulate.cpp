@@ -88,7 +88,7 @@ namespace {
 
 /// To the end, and then the exit code; or to where the cloth is to be cut anew, with a checkpoint there.
 std::optional<int> run_part(MPI_Comm comm, const Case& input, Simulation& simulation,
-                            const RunContext& context, const std::string& text) {
+                            const RunContext& context) {
   const fs::path& out = context.out;
   const State& state = simulation.state();
   const StepSize& steps = simulation.step_size();
@@ -99,7 +99,7 @@ std::optional<int> run_part(MPI_Comm comm, const Case& input, Simulation& simula
   IntersectionCheck intersections(simulation.cloth(), simulation.obstacles(), input);
   Summary summary(simulation, input, intersections, context.totals, context.began);
   ContactBalance balance(simulation.cloth().mesh.vertices.total, context.balance);
-  Checkpointer checkpoints(simulation, summary, balance, input.checkpoint, out, text, written);
+  Checkpointer checkpoints(simulation, summary, balance, input.checkpoint, out, context.case_text, written);
   std::vector<Observer*> observers{&frames, &log, &progress, &summary, &balance};
   if (input.has_contact()) observers.push_back(&intersections);
   observers.push_back(&checkpoints); // last: what it writes is what all others have seen
@@ -151,11 +151,11 @@ void cut_anew(MPI_Comm comm, const Case& input, std::unique_ptr<Simulation>& sim
 int simulate(MPI_Comm comm, const Case& input, std::unique_ptr<Simulation>& simulation,
              const RunContext& context) {
   RunContext part = context;
-  const std::string text = context.case_text.empty() ? case_as_run(input) : context.case_text;
-  write_text_whole(comm, part.out / run_files::case_as_run, text);
+  if (part.case_text.empty()) part.case_text = case_as_run(input);
+  write_text_whole(comm, part.out / run_files::case_as_run, part.case_text);
   tell_of_bodies(comm, input, simulation->obstacles());
   for (;;) {
-    if (const auto code = run_part(comm, input, *simulation, part, text)) return *code;
+    if (const auto code = run_part(comm, input, *simulation, part)) return *code;
     cut_anew(comm, input, simulation, part);
   }
 }

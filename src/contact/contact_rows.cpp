@@ -116,8 +116,7 @@ void ContactRows::find_contacts() {
   for (std::size_t k = 0; k < scene_.search.pairs().size(); ++k) {
     const Pair& pair = scene_.search.pairs()[k];
     const Approach& here = safe_.approach_of(k);
-    seen_[k].has_stopped = safe_.was_stopped_by(k);
-    add_contact(pair, here, seen_[k]);
+    add_contact({pair, here, safe_.was_stopped_by(k)}, seen_[k]);
     const bool is_round = pair.body >= 0 && scene_.obstacles().body(pair.body).is_round;
     if (is_round && pair.kind == PairKind::vertex_face) add_corners(pair, here);
   }
@@ -137,25 +136,26 @@ double ContactRows::gap_wanted(const Pair& pair, const Approach& here) const {
 
 /// Of what is near a round obstacle, faces and edges are contacts. (Vertices alone would be half the rows,
 /// but friction then chatters: the capstan's force comes out half as large again.)
-void ContactRows::add_contact(const Pair& pair, const Approach& here, Seen& seen) {
+void ContactRows::add_contact(const Sight& sight, Seen& seen) {
+  const auto& [pair, here, has_stopped] = sight;
   const std::span<const Global> keys = scene_.search.keys();
   const double gap = gap_along(pair, here, scene_.target_field());
   const double nearest = std::min(gap, here.gap);
   const bool is_near = nearest < thickness_.largest_near() && nearest < thickness_.near(pair, keys);
-  if (!is_near && !seen.has_stopped) return;
+  if (!is_near && !has_stopped) return;
   const bool inside =
       here.weights[0] != 0 && here.weights[1] != 0 && here.weights[2] != 0 && here.weights[3] != 0;
   const bool is_covered = // vertices against faces have it, or the next triangle of the obstacle
       (pair.kind == PairKind::edge_edge && !inside) ||
       (pair.body >= 0 && !cones_.holds(pair, here, safe_.field(), scene_.search.own(), aslant_));
-  if (is_covered && !seen.has_stopped) return;
+  if (is_covered && !has_stopped) return;
   const double yields = scene_.inverse_effective_mass(pair, here.weights);
   if (yields == 0) return; // nothing here can be moved
   auto& [key, record] = known_as(pair, here, seen);
   const int last_round = std::exchange(record.round, round_);
   if (last_round == round_) return; // another pair has found it
   const double violation = gap_wanted(pair, here) - gap;
-  const bool is_close = violation > -close * thickness_.of(pair, keys) || seen.has_stopped;
+  const bool is_close = violation > -close * thickness_.of(pair, keys) || has_stopped;
   if (last_round > 0 && !is_close && !record.has_pressed()) return; // see drop_idle
   contacts_.push_back({pair.vertices, here.weights, here.normal, yields, violation, key,
                        friction_of(pair, scene_.obstacles(), options_), pair.body, is_close});
@@ -171,8 +171,7 @@ ContactRows::Known::value_type& ContactRows::known_as(const Pair& pair, const Ap
   if (seen.contact && seen.features == features) return *seen.contact;
   const auto [known, is_new] = known_.try_emplace(key_of(pair, here, scene_.search.keys()));
   if (is_new) unknown_.push_back(known->first);
-  seen.features = features;
-  seen.contact = &*known; // which stays where it is
+  seen = {features, &*known}; // which stays where it is
   return *known;
 }
 
@@ -189,7 +188,7 @@ void ContactRows::add_corners(const Pair& pair, const Approach& here) {
     const double gap = std::min(alone.gap, gap_along(corner, alone, scene_.target_field()));
     if (gap < thickness_.of(pair, scene_.search.keys()) + corner_reach_) {
       Seen never;
-      add_contact(corner, alone, never);
+      add_contact({corner, alone}, never);
     }
   }
 }

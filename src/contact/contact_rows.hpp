@@ -96,6 +96,11 @@ private:
   struct Seen {
     unsigned features = 0; ///< a bit for each of its vertices with a weight
     Known::value_type* contact = nullptr;
+  };
+  /// A pair as it is at the safe iterate.
+  struct Sight {
+    const Pair& pair;
+    const Approach& here;
     bool has_stopped = false; ///< the safe iterate
   };
 
@@ -103,7 +108,7 @@ private:
   void find_contacts();
   double gap_along(const Pair& pair, const Approach& here, std::span<const Vec3> field) const;
   double gap_wanted(const Pair& pair, const Approach& here) const;
-  void add_contact(const Pair& pair, const Approach& here, Seen& seen);
+  void add_contact(const Sight& sight, Seen& seen);
   Known::value_type& known_as(const Pair& pair, const Approach& here, Seen& seen);
   void add_corners(const Pair& pair, const Approach& here);
   void recall();

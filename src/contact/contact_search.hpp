@@ -36,6 +36,11 @@ public:
 
   Local own() const { return own_; }                    ///< cloth vertices of this rank
   Local home() const { return own_ + obstacle_count_; } ///< places before the ghosts
+
+  /// Whether features have a vertex of another rank.
+  bool is_across(const std::array<Local, 4>& places) const {
+    return std::ranges::any_of(places, [this](Local v) { return v >= home(); });
+  }
   Local size() const { return Local(keys_.size()); }
 
   /// Cloth (local vertices) and obstacles as a contact field. Collective over neighbours.

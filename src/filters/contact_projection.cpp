@@ -241,9 +241,7 @@ void ContactProjection<Set>::count_contacts(FilterReport& report) const {
   const MPI_Comm comm = scene_.cloth().mesh.comm;
   report.contacts = rows_.count();
   report.contacts_if_even = size_of(comm) * max_over(comm, Global(rows_.contacts().size()));
-  const auto is_across = [&](const Contact& contact) {
-    return std::ranges::any_of(contact.vertices, [&](Local v) { return v >= scene_.search.home(); });
-  };
+  const auto is_across = [&](const Contact& contact) { return scene_.search.is_across(contact.vertices); };
   report.contacts_across = sum_over(comm, Global(std::ranges::count_if(rows_.contacts(), is_across)));
 }
 

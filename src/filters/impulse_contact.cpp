@@ -36,6 +36,8 @@ FilterReport ImpulseContact::apply(const State& start, double dt, const Freedom&
   const std::vector<Impact> near = too_near();
   report.contacts = sum_over(comm, Global(near.size()));
   report.contacts_if_even = size_of(comm) * max_over(comm, Global(near.size()));
+  const auto is_across = [&](const Impact& impact) { return scene_.search.is_across(impact.vertices); };
+  report.contacts_across = sum_over(comm, Global(std::ranges::count_if(near, is_across)));
   if (report.contacts > 0) push_apart(near);
   Zone zone; // all pairs that were found to meet
   for (int round = 1;; ++round) {

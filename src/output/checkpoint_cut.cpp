@@ -12,6 +12,12 @@ namespace {
 
 constexpr const char *ranks_name = "ranks", *owners_name = "owners";
 
+std::vector<int> cut_by_positions(const H5Reader& file, MPI_Comm comm, const UndistributedCloth& cloth,
+                                  const Case& input) {
+  const Places places = [&] { return file.read_vectors("positions", cloth.mesh.slab.vertices); };
+  return cut_by_places(comm, cloth, input, places, size_of(comm));
+}
+
 } // namespace
 
 void write_cut(H5Writer& checkpoint, const DistributedMesh& mesh) {
@@ -25,8 +31,7 @@ Cut cut_by_checkpoint(const std::filesystem::path& path) {
   return [path](MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
     const H5Reader file(comm, path, Checksum::required);
     check_checkpoint_format(file);
-    const auto places = file.read_vectors("positions", cloth.mesh.slab.vertices);
-    return cut_by_places(comm, cloth, input, places, size_of(comm));
+    return cut_by_positions(file, comm, cloth, input);
   };
 }
 
@@ -35,7 +40,7 @@ Cut cut_of_checkpoint(const std::filesystem::path& path) {
     const H5Reader file(comm, path, Checksum::required);
     check_checkpoint_format(file);
     if (file.attribute<Global>(ranks_name) != size_of(comm))
-      return cut_by_checkpoint(path)(comm, cloth, input);
+      return cut_by_positions(file, comm, cloth, input);
     const auto owners = file.read<Global>(owners_name, cloth.mesh.slab.vertices);
     const auto is_rank = [&](Global owner) { return owner >= 0 && owner < size_of(comm); };
     if (any_of(comm, !std::ranges::all_of(owners, is_rank)))

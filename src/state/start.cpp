@@ -19,7 +19,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 namespace taut {
@@ -196,20 +195,21 @@ std::vector<Vec3> at_start(MPI_Comm comm, const Slab& slab, std::span<const Piec
 } // namespace
 
 std::vector<int> cut_by_places(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
-                               std::span<const Vec3> places, int parts) {
+                               const Places& places, int parts) {
   constexpr double near = 1.2; // edges
   const auto& [slab, topology] = cloth.mesh;
   const auto method = Partitioner(input.partition.method);
-  const bool has_graph = method != Partitioner::stripes && parts > 1;
-  const double reach = has_graph && input.has_contact() ? near * mean_edge(comm, slab, topology) : 0.0;
-  if (reach == 0) return partition(comm, slab, topology, method, parts);
-  const NearVertices others = find_near(comm, slab.vertices, places, reach);
+  if (!input.has_contact() || !needs_graph(slab.vertices, method, parts))
+    return partition(comm, slab, topology, method, parts);
+  const double reach = near * mean_edge(comm, slab, topology); // there is an edge at every vertex
+  const NearVertices others = find_near(comm, slab.vertices, places(), reach);
   return partition(comm, slab.vertices, graph_of(topology, others), method, parts);
 }
 
-std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
-  const MeshSlab& mesh = cloth.mesh.slab;
-  return at_start(comm, mesh.vertices, cloth.pieces, input, mesh.rest_positions);
+Places places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {
+  return [comm, &cloth, &input, &mesh = cloth.mesh.slab] {
+    return at_start(comm, mesh.vertices, cloth.pieces, input, mesh.rest_positions);
+  };
 }
 
 std::vector<int> cut_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input) {

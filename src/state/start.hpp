@@ -17,14 +17,16 @@ struct UndistributedCloth {
 /// Collective.
 UndistributedCloth read_cloth(MPI_Comm comm, const Case& input);
 
-/// The part, of `parts`, that each vertex of this rank's slab belongs to, cut as the case says. Cloth that
-/// can collide is cut by what is near each other too, where the vertices of the slab are at `places` (m).
-/// Collective.
-std::vector<int> cut_by_places(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
-                               std::span<const Vec3> places, int parts);
+/// Where the vertices of this rank's slab are, m. Collective.
+using Places = std::function<std::vector<Vec3>()>;
 
-/// m, of this rank's slab of vertices. Collective.
-std::vector<Vec3> places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input);
+/// The part, of `parts`, that each vertex of this rank's slab belongs to, cut as the case says. Cloth that
+/// can collide is cut by what is near each other too; only then `places` are asked for. Collective.
+std::vector<int> cut_by_places(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input,
+                               const Places& places, int parts);
+
+/// At the start. All must outlive it.
+Places places_at_start(MPI_Comm comm, const UndistributedCloth& cloth, const Case& input);
 
 /// The rank that each vertex of this rank's slab is given to. Collective.
 using Cut = std::function<std::vector<int>(MPI_Comm, const UndistributedCloth&, const Case&)>;
